@@ -2,7 +2,7 @@
 // The acceleration structure: finds the closest hit of a ray, or whether a ray hits anything. Callers see
 // only this interface. Every implementation returns the same hits (Hit defines how ties are resolved), so
 // replacing it cannot change an image. Each instanced object has its own tree, which rays enter from leaves
-// of the scene's tree. Immutable once built; thread-safe.
+// of the scene's tree. Queries are thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -43,6 +43,9 @@ class Bvh {
   // `threads`, which must be at least one. Primitives that cannot be hit (triangles without area,
   // non-finite coordinates) are left out.
   static Bvh build(const Primitives& primitives, int threads);
+
+  // Builds the scene's own tree again, after instances have moved. The trees of objects stay.
+  void rebuild_own(const Primitives& primitives, int threads);
 
   // The nearest hit with 0 < t < ray.t_max; Hit::found() is false if there is none.
   Hit closest_hit(const Primitives& primitives, const Ray& ray) const;

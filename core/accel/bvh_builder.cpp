@@ -178,13 +178,21 @@ BvhNode::BvhNode() {
 }
 
 Bvh Bvh::build(const Primitives& primitives, int threads) {
-  const BinaryBvh tree = build_binary_bvh(primitives, threads);
-  if (tree.nodes.empty()) return {};
-  WideBuilder builder(primitives, tree, threads);
-  Arrays arrays{builder.take_nodes(), builder.take_packets(), {}};
+  Bvh bvh;
   for (const Primitives& object : primitives.objects())
-    arrays.objects.push_back(build(object, threads).arrays_);
-  return Bvh(std::move(arrays));
+    bvh.arrays_.objects.push_back(build(object, threads).arrays_);
+  bvh.rebuild_own(primitives, threads);
+  return bvh;
+}
+
+void Bvh::rebuild_own(const Primitives& primitives, int threads) {
+  arrays_.nodes = {};
+  arrays_.packets = {};
+  const BinaryBvh tree = build_binary_bvh(primitives, threads);
+  if (tree.nodes.empty()) return;
+  WideBuilder builder(primitives, tree, threads);
+  arrays_.nodes = builder.take_nodes();
+  arrays_.packets = builder.take_packets();
 }
 
 std::size_t Bvh::memory_bytes() const {

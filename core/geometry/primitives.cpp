@@ -101,10 +101,19 @@ std::uint32_t Primitives::add_object(Primitives object) {
 }
 
 void Primitives::add_instance(const Instance& instance) {
+  instances_.push_back(instance);
+  instance_bounds_.push_back(instance_box(instance));
+}
+
+void Primitives::place_instance(std::uint32_t number, const Placement& placement) {
+  instances_[number].placement = placement;
+  instance_bounds_[number] = instance_box(instances_[number]);
+}
+
+Aabb Primitives::instance_box(const Instance& instance) const {
   Aabb box;
   for (const Aabb& part : outlines_[instance.object]) box.include(instance.placement.bounds(part));
-  instances_.push_back(instance);
-  instance_bounds_.push_back(box);
+  return box;
 }
 
 // The parts are the cells of a grid over the object.

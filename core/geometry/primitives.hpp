@@ -48,6 +48,8 @@ class Primitives {
   std::uint32_t add_object(Primitives object);
   // Instances must be added last.
   void add_instance(const Instance& instance);
+  // Moves an instance.
+  void place_instance(std::uint32_t number, const Placement& placement);
 
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }
   std::uint32_t sphere_count() const { return static_cast<std::uint32_t>(spheres_.size()); }
@@ -151,6 +153,7 @@ class Primitives {
   ModelTangents model_tangents(std::uint32_t primitive, Vec3 normal) const;
   Rgb color_at(const Hit& hit) const;
   Outline outline() const;
+  Aabb instance_box(const Instance& instance) const;
 
   std::vector<Vec3> positions_;
   std::vector<Vec3> normals_;  // unit length; zero if missing; empty if no mesh has any

@@ -29,10 +29,7 @@ void add_flags(CLI::App& app, Options& options, const LimitFlags& flags) {
 
 std::optional<int> confine_or_end(const Options& options, const char* program) {
   const auto missing = confine(options.confinement);
-  if (!missing) {
-    std::cerr << program << ": " << missing.error().message << '\n';
-    return EXIT_FAILURE;
-  }
+  if (!missing) return cli::print_error(program, missing.error().message);
   if (!options.check) return std::nullopt;
   for (const std::string& part : *missing) std::cout << part << '\n';
   return cli::flush_stdout(EXIT_SUCCESS, program);

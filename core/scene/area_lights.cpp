@@ -82,17 +82,16 @@ AreaLightFinder::AreaLightFinder(const std::vector<Material>& materials, const s
   for (const Material& material : materials) mean_radiances_.push_back(mean_radiance(material, textures));
 }
 
-void AreaLightFinder::find(const Model& scene, const std::vector<Model>& objects) {
-  const Primitives& primitives = scene.primitives;
+void AreaLightFinder::find(const Primitives& primitives, const Quads& quads) {
   map_.own_ = for_each_light_shape(
-      primitives, scene.quads, [&](std::uint32_t p) { return mean_radiances_[primitives.material(p)] > 0; },
+      primitives, quads.own, [&](std::uint32_t p) { return mean_radiances_[primitives.material(p)] > 0; },
       [&](const LightShape& shape, std::uint32_t p) {
         return add_light(shape, primitives, {.primitive = p});
       });
-  find_in_instances(primitives, objects);
+  find_in_instances(primitives, quads);
 }
 
-void AreaLightFinder::find_in_instances(const Primitives& primitives, const std::vector<Model>& objects) {
+void AreaLightFinder::find_in_instances(const Primitives& primitives, const Quads& quads) {
   std::vector<bool> object_emits;
   for (const Primitives& object : primitives.objects()) object_emits.push_back(emits(object));
   const std::uint32_t count = primitives.instance_count();
@@ -104,7 +103,7 @@ void AreaLightFinder::find_in_instances(const Primitives& primitives, const std:
     map_.instances_.resize(count);
     map_.instances_[i].first_light = static_cast<std::uint32_t>(lights_.size());
     map_.instances_[i].table =
-        share_table(instance, find_in_instance(primitives, i, objects[instance.object]));
+        share_table(instance, find_in_instance(primitives, i, quads.of_objects[instance.object]));
   }
 }
 
@@ -115,11 +114,11 @@ bool AreaLightFinder::emits(const Primitives& object) const {
 }
 
 LightMap::Table AreaLightFinder::find_in_instance(const Primitives& scene, std::uint32_t number,
-                                                  const Model& model) {
+                                                  const std::vector<Model::Quad>& quads) {
   const Instance& instance = scene.instance(number);
   const auto first = static_cast<std::uint32_t>(lights_.size());
   return for_each_light_shape(
-      scene.object_of(instance), model.quads,
+      scene.object_of(instance), quads,
       [&](std::uint32_t p) {
         return mean_radiances_[scene.material({.primitive = p, .instance = number})] > 0;
       },

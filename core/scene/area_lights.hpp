@@ -56,17 +56,24 @@ class AreaLightFinder {
  public:
   AreaLightFinder(const std::vector<Material>& materials, const std::vector<Texture>& textures);
 
+  // The quads of a scene and of its objects, in the order of their triangles.
+  struct Quads {
+    std::vector<Model::Quad> own;
+    std::vector<std::vector<Model::Quad>> of_objects;
+  };
+
   // Finds the lights of the scene's own primitives, then those of its instances. Lights without power are
-  // left out. `objects` are the models of its objects, whose primitives have been moved to `scene`.
-  void find(const Model& scene, const std::vector<Model>& objects);
+  // left out.
+  void find(const Primitives& scene, const Quads& quads);
 
   std::vector<Light> take_lights() { return std::move(lights_); }
   LightMap take_map() { return std::move(map_); }
 
  private:
-  void find_in_instances(const Primitives& primitives, const std::vector<Model>& objects);
+  void find_in_instances(const Primitives& primitives, const Quads& quads);
   bool emits(const Primitives& object) const;
-  LightMap::Table find_in_instance(const Primitives& scene, std::uint32_t number, const Model& model);
+  LightMap::Table find_in_instance(const Primitives& scene, std::uint32_t number,
+                                   const std::vector<Model::Quad>& quads);
   std::uint32_t share_table(const Instance& instance, LightMap::Table table);
   std::uint32_t add_light(const LightShape& shape, const Primitives& primitives, const Hit& middle);
 

@@ -15,6 +15,7 @@
 #include "core/materials/material.hpp"
 #include "core/math/transform.hpp"
 #include "core/math/vec3.hpp"
+#include "core/scene/animation.hpp"
 #include "core/scene/settings.hpp"
 #include "core/textures/texture.hpp"
 
@@ -99,6 +100,8 @@ struct SceneDescription {
   std::vector<std::string> shape_names;  // one per shape, for error messages: "shapes[2] (bunny.obj)"
   std::vector<LightDescription> lights;  // besides emissive shapes
   std::optional<EnvironmentDescription> environment;
+  // The parameters that change from frame to frame. The others describe all frames, and these frame 0.
+  Animation animation;
   std::vector<std::string> warnings;  // defects of other programs' files, and the substitutions made
 };
 

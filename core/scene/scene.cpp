@@ -27,10 +27,13 @@ Light make_light(const LightDescription& description) {
       description);
 }
 
-Environment make_environment(const EnvironmentDescription& d, const std::vector<Texture>& textures) {
+std::optional<Light> environment_of(const SceneDescription& scene, const std::vector<Texture>& textures) {
+  if (!scene.environment) return std::nullopt;
+  const EnvironmentDescription& d = *scene.environment;
   const int texture = d.radiance.texture;
-  return {d.radiance.value, texture < 0 ? nullptr : textures[static_cast<std::size_t>(texture)].image,
-          d.rotation_degrees};
+  return Environment(d.radiance.value,
+                     texture < 0 ? nullptr : textures[static_cast<std::size_t>(texture)].image,
+                     d.rotation_degrees);
 }
 
 // Replaces an opacity texture of a single texel (alpha that is 1 everywhere) by a number.
@@ -54,34 +57,34 @@ void Scene::add_materials(SceneDescription& description) {
 
 void Scene::add_shapes(SceneDescription& description) {
   Model model = make_model(description.shapes);
-  std::vector<Model> objects;
+  quads_.own = std::move(model.quads);
   for (ObjectDescription& object : description.objects) {
-    objects.push_back(make_model(object.shapes));
-    model.primitives.add_object(std::move(objects.back().primitives));
+    Model of_object = make_model(object.shapes);
+    model.primitives.add_object(std::move(of_object.primitives));
+    quads_.of_objects.push_back(std::move(of_object.quads));
   }
   for (const auto& shape : description.shapes)
     if (const auto* instance = std::get_if<InstanceDescription>(&shape))
       model.primitives.add_instance(
           {Placement(instance->to_world), instance->object, instance->material.value_or(kOwnMaterials)});
-  AreaLightFinder finder(materials_, textures_);
-  finder.find(model, objects);
-  lights_ = finder.take_lights();
-  light_map_ = finder.take_map();
   primitives_ = std::move(model.primitives);
 }
 
 // Leaves out lights without power, which contribute nothing and could not be sampled.
-void Scene::add_lights(const SceneDescription& description, int threads) {
+void Scene::find_lights(const std::vector<LightDescription>& lights, std::optional<Light> environment,
+                        int threads) {
+  AreaLightFinder finder(materials_, textures_);
+  finder.find(primitives_, quads_);
+  lights_ = finder.take_lights();
+  light_map_ = finder.take_map();
   const double bounds = primitives_.bounding_radius(), radius = bounds > 0 ? bounds : 1;
   const auto has_power = [radius](const Light& light) { return power(light, radius) > 0; };
-  for (const LightDescription& each : description.lights)
+  for (const LightDescription& each : lights)
     if (const Light light = make_light(each); has_power(light)) lights_.push_back(light);
-  if (description.environment) {
-    Light environment = make_environment(*description.environment, textures_);
-    if (has_power(environment)) {
-      environment_light_ = static_cast<std::uint32_t>(lights_.size());
-      lights_.push_back(std::move(environment));
-    }
+  environment_light_ = kNoLight;
+  if (environment && has_power(*environment)) {
+    environment_light_ = static_cast<std::uint32_t>(lights_.size());
+    lights_.push_back(*std::move(environment));
   }
   light_sampler_ = LightSampler(lights_, LightSampler::Among::kAll, threads);
   delta_light_sampler_ = LightSampler(lights_, LightSampler::Among::kDelta, threads);
@@ -92,12 +95,35 @@ Result<Scene> Scene::build(SceneDescription description, int threads, std::optio
 
   Scene scene;
   scene.settings_ = description.settings;
+  scene.poses_ = PoseMaker(description);
   scene.camera_ = Camera(description.camera);
   scene.add_materials(description);
   scene.add_shapes(description);
-  scene.add_lights(description, threads);
+  scene.find_lights(description.lights, environment_of(description, scene.textures_), threads);
   scene.bvh_ = bvh ? std::move(*bvh) : Bvh::build(scene.primitives_, threads);
   return scene;
+}
+
+Status Scene::set_frame(std::int32_t frame, int threads) {
+  if (!is_animated(animation()) || frame == frame_) {
+    frame_ = frame;
+    return {};
+  }
+  const Result<Pose> pose = poses_.at(frame);
+  if (!pose) return fail(pose.error());
+  const auto& moving = poses_.moving();
+  for (std::size_t i = 0; i < moving.size(); ++i)
+    primitives_.place_instance(moving[i].number, Placement(pose->placements[i]));
+  if (!moving.empty()) bvh_.rebuild_own(primitives_, threads);
+  if (!moving.empty() || !animation().lights.empty()) {
+    std::optional<Light> environment;
+    if (environment_light_ != kNoLight) environment = std::move(lights_[environment_light_]);
+    find_lights(pose->lights, std::move(environment), threads);
+  }
+  camera_ = Camera(pose->camera);
+  light_guide_ = {};
+  frame_ = frame;
+  return {};
 }
 
 }  // namespace tessera::core

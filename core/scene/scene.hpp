@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene ready to render: immutable, flat arrays, shared by all threads. Building it validates everything,
-// so rendering cannot fail.
+// A scene ready to render: flat arrays, shared by all threads. Building it validates everything, so rendering
+// cannot fail. It shows one frame at a time: set_frame() moves what is animated, and keeps all geometry.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,7 @@
 #include "core/lights/light_sampler.hpp"
 #include "core/scene/area_lights.hpp"
 #include "core/scene/description.hpp"
+#include "core/scene/pose.hpp"
 
 namespace tessera::core {
 
@@ -25,6 +26,14 @@ class Scene {
   // Errors name the invalid shape or material. The result does not depend on `threads`, nor on `bvh`, which
   // may be a tree built earlier from the same description.
   static Result<Scene> build(SceneDescription description, int threads, std::optional<Bvh> bvh = {});
+
+  // Shows another frame; a scene that was built shows frame 0. The result is that of a scene that was never
+  // at another frame, bit for bit. Nothing else may use the scene meanwhile. Geometry, textures and the trees
+  // of objects stay; the scene's own tree is built again if instances move. INVALID_ARGUMENT, and no change,
+  // if the scene cannot be rendered at the frame. Unspecified after std::bad_alloc.
+  Status set_frame(std::int32_t frame, int threads);
+  std::int32_t frame() const { return frame_; }
+  const Animation& animation() const { return poses_.animation(); }
 
   const RenderSettings& settings() const { return settings_; }
   const Camera& camera() const { return camera_; }
@@ -54,11 +63,16 @@ class Scene {
  private:
   void add_materials(SceneDescription& description);
   void add_shapes(SceneDescription& description);
-  void add_lights(const SceneDescription& description, int threads);
+  // All lights, for the present placements of instances.
+  void find_lights(const std::vector<LightDescription>& lights, std::optional<Light> environment,
+                   int threads);
 
   RenderSettings settings_;
+  PoseMaker poses_;
+  std::int32_t frame_ = 0;
   Camera camera_;
   Primitives primitives_;
+  AreaLightFinder::Quads quads_;
   Bvh bvh_;
   std::vector<Texture> textures_;
   std::vector<Material> materials_;

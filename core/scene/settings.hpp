@@ -83,13 +83,13 @@ struct RenderSettings {
 
 // Replacements for the scene file's settings, from a command line or a submitted job.
 struct RenderOverrides {
-  std::optional<int> width_px, height_px;
-  std::optional<std::uint32_t> spp;
-  std::optional<std::uint64_t> seed;
-  std::optional<Integrator> integrator;
-  std::optional<Heuristic> heuristic;
-  std::optional<float> clamp_indirect;
-  std::optional<PixelRect> crop;
+  std::optional<int> width_px{}, height_px{};
+  std::optional<std::uint32_t> spp{};
+  std::optional<std::uint64_t> seed{};
+  std::optional<Integrator> integrator{};
+  std::optional<Heuristic> heuristic{};
+  std::optional<float> clamp_indirect{};
+  std::optional<PixelRect> crop{};
 };
 
 // Checks the limits above. Errors name the field: "width: must be between 1 and 65536 pixels, got 0".

@@ -39,7 +39,9 @@ bool is_valid_radiance(const ColorParameter& color, const std::vector<Texture>& 
          is_valid_radiance(color.value * textures[static_cast<std::size_t>(color.texture)].image->largest());
 }
 
-Status check_camera(const CameraDescription& camera) {
+}  // namespace
+
+Status validate_camera(const CameraDescription& camera) {
   if (!fits(camera.position) || !fits(camera.look_at) || !is_finite(camera.up))
     return invalid("camera: position, look_at and up must be finite numbers");
   const Vec3 view = camera.look_at - camera.position;
@@ -64,6 +66,8 @@ Status check_camera(const CameraDescription& camera) {
     return invalid(fmt::format("camera.focus_distance: must be above 0, got {}", camera.focus_distance));
   return {};
 }
+
+namespace {
 
 bool is_in_range(std::string_view, const ColorParameter& color) {
   return is_valid_radiance(color.value);
@@ -141,10 +145,7 @@ Status check_light(const LightDescription& light) {
       light);
 }
 
-Status check_lights(const SceneDescription& scene) {
-  for (std::size_t i = 0; i < scene.lights.size(); ++i)
-    if (auto ok = check_light(scene.lights[i]); !ok)
-      return fail(ok.error().within(fmt::format("lights[{}]", i)));
+Status check_environment(const SceneDescription& scene) {
   if (!scene.environment) return {};
   if (!is_valid_radiance(scene.environment->radiance.value))
     return invalid("environment: radiance must be finite and not negative");
@@ -220,23 +221,19 @@ bool has_emissive_sphere(const ObjectFacts& object, const InstanceDescription& i
   });
 }
 
+PlacementLimits limits_of(const ObjectFacts& object, const InstanceDescription& instance,
+                          const std::vector<Material>& materials) {
+  return {object.bounds, has_emissive_sphere(object, instance, materials)};
+}
+
 Status check_instance(const InstanceDescription& instance, const SceneDescription& scene,
                       const std::vector<ObjectFacts>& objects) {
   if (instance.object >= objects.size())
     return invalid(fmt::format("there is no object {}", instance.object));
   if (instance.material && *instance.material >= scene.materials.size())
     return invalid(fmt::format("there is no material {}", *instance.material));
-  if (!Placement::can_place(instance.to_world))
-    return invalid("the transform flattens the object, or scales or moves it too far to be computed");
-  const ObjectFacts& object = objects[instance.object];
-  const Aabb box = Placement(instance.to_world).bounds(object.bounds);
-  if (!fits(box.lower) || !fits(box.upper))
-    return invalid(fmt::format("the object reaches farther than {:g} there", kMaxCoordinate));
-  if (has_emissive_sphere(object, instance, scene.materials) &&
-      !(uniform_scale(instance.to_world, kRoundToRounding) > 0))
-    return invalid(
-        "a sphere that emits must stay round: the transform must scale by the same factor in all directions");
-  return {};
+  return validate_placement(instance.to_world,
+                            limits_of(objects[instance.object], instance, scene.materials));
 }
 
 // For a scene or an object; `objects` is empty for the latter, which cannot contain instances.
@@ -295,6 +292,20 @@ Status check_all_shapes(const SceneDescription& scene) {
   return check_shapes(scene.shapes, scene.shape_names, scene, objects);
 }
 
+Status check_animation(const SceneDescription& scene) {
+  const Animation& animation = scene.animation;
+  if (!is_sound(animation))
+    return invalid("animation: the frames of keyframes must be numbers that increase");
+  for (const LightAnimation& light : animation.lights)
+    if (light.light >= scene.lights.size())
+      return invalid(fmt::format("animation: there is no light {}", light.light));
+  for (const InstanceMotion& motion : animation.instances)
+    if (motion.shape >= scene.shapes.size() ||
+        !std::holds_alternative<InstanceDescription>(scene.shapes[motion.shape]))
+      return invalid(fmt::format("animation: there is no instance {}", motion.shape));
+  return {};
+}
+
 bool emits(const ShapeDescription& shape, const SceneDescription& scene) {
   const auto emissive = [&](std::uint32_t material) {
     return !is_black(scene.materials[material].emission.value);
@@ -324,6 +335,28 @@ Rgb color_of(const LightDescription& light) {
 
 }  // namespace
 
+Status validate_lights(const std::vector<LightDescription>& lights) {
+  for (std::size_t i = 0; i < lights.size(); ++i)
+    if (auto ok = check_light(lights[i]); !ok) return fail(ok.error().within(fmt::format("lights[{}]", i)));
+  return {};
+}
+
+PlacementLimits placement_limits(const SceneDescription& scene, const InstanceDescription& instance) {
+  return limits_of(facts_of(scene.objects[instance.object]), instance, scene.materials);
+}
+
+Status validate_placement(const Transform& to_world, const PlacementLimits& limits) {
+  if (!Placement::can_place(to_world))
+    return invalid("the transform flattens the object, or scales or moves it too far to be computed");
+  const Aabb box = Placement(to_world).bounds(limits.object_bounds);
+  if (!fits(box.lower) || !fits(box.upper))
+    return invalid(fmt::format("the object reaches farther than {:g} there", kMaxCoordinate));
+  if (limits.must_stay_round && !(uniform_scale(to_world, kRoundToRounding) > 0))
+    return invalid(
+        "a sphere that emits must stay round: the transform must scale by the same factor in all directions");
+  return {};
+}
+
 Status validate_scene(const SceneDescription& scene) {
   if (auto ok = check_settings(scene.settings); !ok) return fail(ok.error().within("render"));
   // Jobs stored by earlier releases may exceed the limit.
@@ -331,16 +364,21 @@ Status validate_scene(const SceneDescription& scene) {
     return invalid(fmt::format("render: max_depth: must be between 0 and {}, got {}", kMaxDepth,
                                scene.settings.max_depth));
   if (auto ok = check_display(scene.display); !ok) return fail(ok.error().within("output"));
-  if (auto ok = check_camera(scene.camera); !ok) return ok;
+  if (auto ok = validate_camera(scene.camera); !ok) return ok;
   if (auto ok = check_materials(scene); !ok) return ok;
-  if (auto ok = check_lights(scene); !ok) return ok;
-  return check_all_shapes(scene);
+  if (auto ok = validate_lights(scene.lights); !ok) return ok;
+  if (auto ok = check_environment(scene); !ok) return ok;
+  if (auto ok = check_all_shapes(scene); !ok) return ok;
+  return check_animation(scene);
 }
 
 bool gives_light(const SceneDescription& scene) {
   if (scene.environment && !is_black(scene.environment->radiance.value)) return true;
   for (const LightDescription& light : scene.lights)
     if (!is_black(color_of(light))) return true;
+  // A light that is dark at frame 0 brightens later.
+  for (const LightAnimation& light : scene.animation.lights)
+    if (!light.color.empty()) return true;
   return std::any_of(scene.shapes.begin(), scene.shapes.end(),
                      [&](const ShapeDescription& shape) { return emits(shape, scene); });
 }

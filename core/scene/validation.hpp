@@ -2,10 +2,27 @@
 // Validates a scene without building it.
 #pragma once
 
+#include <vector>
+
 #include "core/base/error.hpp"
+#include "core/geometry/aabb.hpp"
 #include "core/scene/description.hpp"
 
 namespace tessera::core {
+
+// What the placement of an object in the world must be like.
+struct PlacementLimits {
+  Aabb object_bounds;            // in the object's space
+  bool must_stay_round = false;  // the object has a sphere that emits
+};
+
+// Those of an instance. Both must be valid otherwise. Takes time in proportion to the object's size.
+PlacementLimits placement_limits(const SceneDescription& scene, const InstanceDescription& instance);
+
+// Parts of validate_scene(), with its errors.
+Status validate_camera(const CameraDescription& camera);
+Status validate_lights(const std::vector<LightDescription>& lights);
+Status validate_placement(const Transform& to_world, const PlacementLimits& limits);
 
 // Checks that Scene::build will accept `scene`. Errors (INVALID_ARGUMENT) name the invalid shape, material
 // or field.

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kBytesPerEntry = 256;
 
 std::size_t bytes_of(const std::shared_ptr<const EncodedTile>& tile) {
-  return kBytesPerEntry + (tile ? tile->pixels_zlib.size() : 0);
+  return kBytesPerEntry + (tile ? tile->pixels.size() : 0);
 }
 
 }  // namespace

@@ -13,9 +13,9 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include "core/base/mutex.hpp"
 
 #include "core/base/error.hpp"
+#include "core/base/mutex.hpp"
 #include "core/view/tile_pixels.hpp"
 #include "core/view/tile_source.hpp"
 
@@ -25,7 +25,7 @@ struct EncodedTile {
   Revision revision = 0;
   std::uint32_t samples = 0;
   std::optional<float> noise{};  // relative_noise()
-  std::string pixels_zlib{};
+  std::string pixels{};          // as the format says
 };
 
 class EncodedTiles {

@@ -8,6 +8,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -99,6 +100,12 @@ struct FreeDecompressor {
   void operator()(libdeflate_decompressor* decompressor) const { libdeflate_free_decompressor(decompressor); }
 };
 
+std::string bytes_of(const std::vector<std::uint16_t>& numbers) {
+  std::string bytes(numbers.size() * sizeof numbers[0], '\0');
+  std::memcpy(bytes.data(), numbers.data(), bytes.size());
+  return bytes;
+}
+
 // `count` numbers of a zlib stream that holds just as many; otherwise none.
 template <typename Number>
 std::vector<Number> decompress(const std::string& bytes, std::size_t count) {
@@ -111,6 +118,12 @@ std::vector<Number> decompress(const std::string& bytes, std::size_t count) {
   return is_whole ? numbers : std::vector<Number>();
 }
 
+std::vector<std::uint16_t> raw_numbers(const std::string& bytes, std::size_t count) {
+  std::vector<std::uint16_t> numbers(bytes.size() == count * sizeof(std::uint16_t) ? count : 0);
+  std::memcpy(numbers.data(), bytes.data(), numbers.size() * sizeof(std::uint16_t));
+  return numbers;
+}
+
 float float_of(std::uint16_t half) {
   return static_cast<float>(Imath::half(Imath::half::FromBits, half));
 }
@@ -120,8 +133,7 @@ float float_of(float value) {
 }
 
 template <typename Number>
-core::Result<core::Image> decode(const std::string& bytes, core::Image image) {
-  const std::vector<Number> numbers = decompress<Number>(bytes, 3 * image.pixels.size());
+core::Result<core::Image> image_of(const std::vector<Number>& numbers, core::Image image) {
   if (numbers.empty()) return core::fail(core::ErrorCode::kDataLoss, "the pixels of a tile are damaged");
   const Number* next = numbers.data();
   for (core::Rgb& pixel : image.pixels) {
@@ -148,14 +160,30 @@ core::Image develop_level(const core::PixelRect& rect, const core::Film::TileSum
 }
 
 core::Result<std::string> encode_pixels(const core::Image& image, PixelFormat format) {
-  return format == PixelFormat::kHalf ? compress(halves_of(image)) : compress(floats_of(image));
+  switch (format) {
+    case PixelFormat::kHalf:
+      return compress(halves_of(image));
+    case PixelFormat::kFloat:
+      return compress(floats_of(image));
+    case PixelFormat::kRawHalf:
+      break;
+  }
+  return bytes_of(halves_of(image));
 }
 
-core::Result<core::Image> decode_pixels(const std::string& pixels_zlib, int width, int height,
+core::Result<core::Image> decode_pixels(const std::string& pixels, int width, int height,
                                         PixelFormat format) {
   core::Image image(width, height);
-  return format == PixelFormat::kHalf ? decode<std::uint16_t>(pixels_zlib, std::move(image))
-                                      : decode<float>(pixels_zlib, std::move(image));
+  const std::size_t count = 3 * image.pixels.size();
+  switch (format) {
+    case PixelFormat::kHalf:
+      return image_of(decompress<std::uint16_t>(pixels, count), std::move(image));
+    case PixelFormat::kFloat:
+      return image_of(decompress<float>(pixels, count), std::move(image));
+    case PixelFormat::kRawHalf:
+      break;
+  }
+  return image_of(raw_numbers(pixels, count), std::move(image));
 }
 
 }  // namespace tessera::view

@@ -22,16 +22,16 @@ constexpr int level_size(int pixels, int level) {
 enum class PixelFormat {
   kHalf,  // values beyond 65504, the largest half, become 65504
   kFloat,
+  kRawHalf,  // as kHalf, not compressed
 };
 
 // The means of the tile's pixels, computed from exact sums: those of level 0 are what Film::develop() gives.
 // Black without samples. `rect`: the tile's pixels, no more than one tile's.
 core::Image develop_level(const core::PixelRect& rect, const core::Film::TileSums& sums, int level);
 
-// The pixels, row by row as little-endian R, G and B, as a zlib stream.
+// The pixels, row by row as little-endian R, G and B; as a zlib stream, unless the format is raw.
 core::Result<std::string> encode_pixels(const core::Image& image, PixelFormat format);
-// The same back. DATA_LOSS: the stream is damaged, or holds another number of pixels.
-core::Result<core::Image> decode_pixels(const std::string& pixels_zlib, int width, int height,
-                                        PixelFormat format);
+// The same back. DATA_LOSS: the pixels are damaged, or of another number.
+core::Result<core::Image> decode_pixels(const std::string& pixels, int width, int height, PixelFormat format);
 
 }  // namespace tessera::view

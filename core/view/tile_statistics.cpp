@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "core/film/estimates.hpp"
+#include "core/view/tile_frames.hpp"
 
 namespace tessera::view {
 namespace {
@@ -77,8 +78,9 @@ core::Result<std::vector<std::optional<TileState>>> read_tile_states(
     auto& state = states[static_cast<std::size_t>(change.tile)];
     state.reset();
     if (std::chrono::steady_clock::now() >= deadline) continue;
-    const auto tile = tiles.get({source.id(), change.tile, PixelFormat::kHalf, kMaxLevel}, change.revision,
-                                grid->rect(change.tile), [&] { return source.read(change); });
+    const auto tile =
+        tiles.get({source.id(), change.tile, format_of_level(kMaxLevel), kMaxLevel}, change.revision,
+                  grid->rect(change.tile), [&] { return source.read(change); });
     if (!tile) return core::fail(tile.error());
     state = TileState{(*tile)->samples, (*tile)->noise};
   }

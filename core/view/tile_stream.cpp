@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <utility>
 
 namespace tessera::view {
@@ -25,29 +24,11 @@ bool touches(const core::PixelRect& a, const core::PixelRect& b) {
   return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
 }
 
-void append_length(std::string& out, std::size_t length) {
-  for (int shift = 0; shift < 32; shift += 8) out += static_cast<char>(length >> shift & 0xff);
-}
-
 bool is_temporary(const core::Error& error) {
   return error.code == core::ErrorCode::kUnavailable;
 }
 
-std::string tile_header(const core::PixelRect& rect, int level, const EncodedTile& tile) {
-  const std::string noise = tile.noise ? fmt::format("{}", *tile.noise) : "null";
-  return fmt::format(
-      R"({{"type":"tile","x0":{},"y0":{},"x1":{},"y1":{},"level":{},"revision":{},"samples":{},"noise":{}}})",
-      rect.x0, rect.y0, rect.x1, rect.y1, level, tile.revision, tile.samples, noise);
-}
-
 }  // namespace
-
-void append_frame(std::string& out, std::string_view header_json, std::string_view payload) {
-  append_length(out, header_json.size());
-  append_length(out, payload.size());
-  out += header_json;
-  out += payload;
-}
 
 TileStream::TileStream(std::shared_ptr<TileSource> source, const StreamQuery& query,
                        const StreamSettings& settings)
@@ -114,28 +95,38 @@ bool TileStream::poll_changes() {
 }
 
 bool TileStream::write_tiles(std::string& out, std::size_t max_bytes, Clock::time_point now) {
-  while (queue_ && out.size() < max_bytes && now >= retry_at_ && share_.may_send(now)) {
+  JoinedTiles joined;
+  const auto size = [&] { return out.size() + joined.size_bytes(); };
+  bool goes_on = true;
+  while (goes_on && queue_ && size() < max_bytes && now >= retry_at_ && share_.may_send(now)) {
     const auto next = queue_->take(now);
-    if (!next) return true;
-    if (!write_tile(*next, out, now)) return false;
+    if (!next) break;
+    const std::size_t before = size();
+    goes_on = write_tile(*next, joined, out, now);
+    share_.note_sent(size() - before);
   }
-  return true;
+  joined.append_to(out);
+  return goes_on;
 }
 
-bool TileStream::write_tile(const TileQueue::Next& next, std::string& out, Clock::time_point now) {
+bool TileStream::write_tile(const TileQueue::Next& next, JoinedTiles& joined, std::string& out,
+                            Clock::time_point now) {
   const TileChange& change = next.change;
   const int level = next.is_coarse ? std::min(query_.level + kCoarser, kMaxLevel) : query_.level;
   const core::PixelRect rect = grid_->rect(change.tile);
-  const auto tile = settings_.tiles.get({source_->id(), change.tile, PixelFormat::kHalf, level},
+  const auto tile = settings_.tiles.get({source_->id(), change.tile, format_of_level(level), level},
                                         change.revision, rect, [&] { return source_->read(change); });
   if (!tile) {
     if (!next.is_coarse) queue_->add(change, false);
     retry_at_ = now + kRetryInterval;
     return is_temporary(tile.error());
   }
-  const std::size_t before = out.size();
-  append_frame(out, tile_header(rect, level, **tile), (*tile)->pixels_zlib);
-  share_.note_sent(out.size() - before);
+  if (level < kFirstJoinedLevel) {
+    joined.append_to(out);  // in the order of the queue
+    append_tile(out, rect, level, **tile);
+  } else {
+    joined.add(out, rect, level, **tile);
+  }
   if (!next.is_coarse) queue_->note_sent(change.tile, (*tile)->revision, now);
   return true;
 }

@@ -8,12 +8,12 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "core/http/server.hpp"
 #include "core/view/encoded_tiles.hpp"
 #include "core/view/stream_budget.hpp"
 #include "core/view/stream_query.hpp"
+#include "core/view/tile_frames.hpp"
 #include "core/view/tile_queue.hpp"
 #include "core/view/tile_source.hpp"
 
@@ -42,7 +42,7 @@ class TileStream final : public http::BodySource {
   bool poll_header(Clock::time_point now, std::string& out);
   bool poll_changes();
   bool write_tiles(std::string& out, std::size_t max_bytes, Clock::time_point now);
-  bool write_tile(const TileQueue::Next& next, std::string& out, Clock::time_point now);
+  bool write_tile(const TileQueue::Next& next, JoinedTiles& joined, std::string& out, Clock::time_point now);
 
   void find_grid();
   bool is_wanted(int tile) const;
@@ -66,8 +66,5 @@ class TileStream final : public http::BodySource {
   Clock::time_point next_poll_{}, next_header_{}, next_revision_{}, last_written_{}, retry_at_{};
   std::chrono::milliseconds wait_{0};
 };
-
-// Appends a frame.
-void append_frame(std::string& out, std::string_view header_json, std::string_view payload = {});
 
 }  // namespace tessera::view

@@ -11,10 +11,12 @@ namespace {
 
 // As validator_process.cpp asks tessera-validator, but for the process.
 core::Result<jobs::CheckedScene> ask(const blobs::BlobStore& blobs, const v1::Bundle& bundle,
-                                     const v1::RenderOverrides& overrides) {
+                                     const v1::RenderOverrides& overrides,
+                                     const std::vector<std::int32_t>& frames) {
   validator::ValidateRequest request;
   *request.mutable_bundle() = bundle;
   *request.mutable_overrides() = overrides;
+  request.mutable_frames()->Add(frames.begin(), frames.end());
   std::map<std::string, std::string> paths;
   for (const v1::Bundle::Asset& asset : bundle.assets()) {
     const auto digest = proto::from_proto(asset.digest());
@@ -48,8 +50,9 @@ void submit(std::string_view input) {
   name_blobs(*request.mutable_bundle(), parts);
 
   const blobs::BlobStore* blobs = nullptr;
-  Farm farm(
-      [&](const auto& bundle, const auto& overrides, const auto&) { return ask(*blobs, bundle, overrides); });
+  Farm farm([&](const auto& bundle, const auto& overrides, const auto& frames, const auto&) {
+    return ask(*blobs, bundle, overrides, frames);
+  });
   blobs = &farm.coordinator().blobs();
   for (std::size_t i = 1; i < parts.size(); ++i) store(*blobs, parts[i].bytes);
   const auto job = farm.coordinator().jobs().submit(request, "somebody");

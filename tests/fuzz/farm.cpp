@@ -83,7 +83,7 @@ const fs::path& template_folder() {
 
 // Accepts any scene: 40 x 3 pixels, 2 samples per pixel, overrides applied.
 core::Result<jobs::CheckedScene> accept(const v1::Bundle&, const v1::RenderOverrides& overrides,
-                                        const std::stop_token&) {
+                                        const std::vector<std::int32_t>&, const std::stop_token&) {
   const auto wanted = proto::from_proto(overrides);
   if (!wanted) return core::fail(wanted.error());
   core::RenderSettings settings;

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <new>
 #include <vector>
@@ -71,13 +72,17 @@ core::OpenFile file_of(const Written& written) {
 }
 
 void build_and_render(core::SceneDescription description, core::Integrator integrator) {
-  const auto scene = core::Scene::build(std::move(description), 1);
+  auto scene = core::Scene::build(std::move(description), 1);
   if (!scene) return expect(!scene.error().message.empty(), "an error says what is wrong");
   constexpr core::PixelRect kCorner{0, 0, 1, 1};
   constexpr core::SampleRange kSamples{0, 2};
   const core::RenderSettings settings{.integrator = integrator};  // a worker takes those of the job
-  const core::FilmTile tile = core::render(*scene, settings, kCorner, kSamples, 1);
-  expect(tile.counters.samples == kSamples.count(), "every sample is counted");
+  for (const std::int32_t frame : {0, 7}) {
+    if (const core::Status shown = scene->set_frame(frame, 1); !shown)
+      return expect(!shown.error().message.empty(), "an error says what is wrong");
+    const core::FilmTile tile = core::render(*scene, settings, kCorner, kSamples, 1);
+    expect(tile.counters.samples == kSamples.count(), "every sample is counted");
+  }
 }
 
 void change_and_read(std::string_view input) {

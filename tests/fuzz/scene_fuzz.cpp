@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A scene file and the files it names, through everything a worker does with them, up to a few samples.
 // The input's first part is the scene file; the others are files by name (parts.hpp).
+#include <array>
 #include <map>
 
 #include "core/integrators/render.hpp"
 #include "core/scene/loader/loader.hpp"
+#include "core/scene/pose.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/validation.hpp"
 #include "tests/fuzz/expect.hpp"
@@ -42,9 +44,15 @@ void load_and_render(std::string_view input) {
   auto description = core::load_scene(assets, "scene.json", "scene.json");
   if (!expect_answer(description)) return;
   const bool valid = expect_answer(core::validate_scene(*description));
-  const auto scene = core::Scene::build(std::move(*description), 1);
+  constexpr std::array kFrames{7};
+  const bool has_frame = valid && expect_answer(core::validate_frames(*description, kFrames));
+  auto scene = core::Scene::build(std::move(*description), 1);
   expect(expect_answer(scene) == valid, "what is validated can be built, and nothing else");
-  if (scene) render_corner(*scene);
+  if (!scene) return;
+  render_corner(*scene);
+  expect(expect_answer(scene->set_frame(kFrames[0], 1)) == has_frame,
+         "frames that are validated can be shown, and no others");
+  render_corner(*scene);
 }
 
 }  // namespace

@@ -81,7 +81,7 @@ bool are_sound(const std::vector<ShapeDescription>& shapes) {
 
 // What every loader guarantees, and validate_scene() therefore does not check.
 bool is_sound(const SceneDescription& scene) {
-  return are_sound(scene.shapes) &&
+  return are_sound(scene.shapes) && core::is_sound(scene.animation) &&
          std::ranges::all_of(scene.objects,
                              [](const ObjectDescription& object) { return are_sound(object.shapes); }) &&
          std::ranges::all_of(scene.textures, [](const Texture& texture) {

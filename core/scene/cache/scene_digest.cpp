@@ -29,15 +29,36 @@ Checksum checksum_of_parts(const Parts&... parts) {
   return blocks.sum;
 }
 
+// Adds to the parts that are animated.
+template <typename Camera, typename Instances, typename Lights>
+void mix_in(SceneDigest& digest, const Animation& animation, const Camera& camera, const Instances& instances,
+            const Lights& lights) {
+  const auto mix = [](Checksum& part, const auto& more) {
+    part = checksum_of_parts(part.low, part.high, more);
+  };
+  if (is_animated(animation.camera)) mix(digest.camera, camera);
+  if (!animation.instances.empty()) mix(digest.shapes, instances);
+  if (!animation.lights.empty()) mix(digest.lights, lights);
+}
+
 }  // namespace
 
 SceneDigest digest_of(const SceneDescription& scene) {
-  return {.camera = checksum_of_parts(scene.camera),
-          .textures = checksum_of_parts(scene.textures),
-          .materials = checksum_of_parts(scene.materials),
-          .shapes = checksum_of_parts(scene.objects, scene.shapes),
-          .lights = checksum_of_parts(scene.lights),
-          .environment = checksum_of_parts(scene.environment)};
+  const Animation& animation = scene.animation;
+  SceneDigest digest{.camera = checksum_of_parts(scene.camera),
+                     .textures = checksum_of_parts(scene.textures),
+                     .materials = checksum_of_parts(scene.materials),
+                     .shapes = checksum_of_parts(scene.objects, scene.shapes),
+                     .lights = checksum_of_parts(scene.lights),
+                     .environment = checksum_of_parts(scene.environment)};
+  mix_in(digest, animation, animation.camera, animation.instances, animation.lights);
+  return digest;
+}
+
+SceneDigest digest_at_frame(const SceneDigest& scene, const Animation& animation, std::int32_t frame) {
+  SceneDigest digest = scene;
+  mix_in(digest, animation, frame, frame, frame);
+  return digest;
 }
 
 }  // namespace tessera::core

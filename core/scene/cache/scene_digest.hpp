@@ -7,13 +7,15 @@
 
 namespace tessera::core {
 
-// One checksum for each part, so that a difference can be named. Settings, output settings and warnings are
-// not part of it, nor are the names of files.
+// One checksum for each part, so that a difference can be named. A part that is animated includes its
+// keyframes. Settings, output settings and warnings are not part of it, nor are the names of files.
 struct SceneDigest {
   Checksum camera, textures, materials, shapes, lights, environment;
   bool operator==(const SceneDigest&) const = default;
 };
 
 SceneDigest digest_of(const SceneDescription& scene);
+// The digest of the scene at a frame, from that of the scene.
+SceneDigest digest_at_frame(const SceneDigest& scene, const Animation& animation, std::int32_t frame);
 
 }  // namespace tessera::core

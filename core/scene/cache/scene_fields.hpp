@@ -127,11 +127,53 @@ auto fields(Is<EnvironmentDescription> auto& value) {
   auto& [radiance, rotation] = value;
   return std::tie(radiance, rotation);
 }
+template <typename T>
+inline constexpr bool kIsTrack = false;
+template <typename T>
+inline constexpr bool kIsTrack<Track<T>> = true;
+template <typename T>
+requires kIsTrack<std::remove_const_t<T>>
+auto fields(T& value) {
+  auto& [frames, values] = value;
+  return std::tie(frames, values);
+}
+auto fields(Is<CameraAnimation> auto& value) {
+  auto& [position, look_at, up, fov, radius, focus, rotation] = value;
+  return std::tie(position, look_at, up, fov, radius, focus, rotation);
+}
+auto fields(Is<LightAnimation> auto& value) {
+  auto& [light, position, look_at, direction, color, angle, softness] = value;
+  return std::tie(light, position, look_at, direction, color, angle, softness);
+}
+auto fields(Is<ScaleMotion> auto& value) {
+  auto& [factors] = value;
+  return std::tie(factors);
+}
+auto fields(Is<TurnMotion> auto& value) {
+  auto& [axis, degrees] = value;
+  return std::tie(axis, degrees);
+}
+auto fields(Is<RotationMotion> auto& value) {
+  auto& [rotations] = value;
+  return std::tie(rotations);
+}
+auto fields(Is<TranslationMotion> auto& value) {
+  auto& [offsets] = value;
+  return std::tie(offsets);
+}
+auto fields(Is<InstanceMotion> auto& value) {
+  auto& [shape, steps] = value;
+  return std::tie(shape, steps);
+}
+auto fields(Is<Animation> auto& value) {
+  auto& [camera, lights, instances] = value;
+  return std::tie(camera, lights, instances);
+}
 auto fields(Is<SceneDescription> auto& value) {
   auto& [settings, camera, display, textures, materials, objects, shapes, names, lights, environment,
-         warnings] = value;
+         animation, warnings] = value;
   return std::tie(settings, camera, display, textures, materials, objects, shapes, names, lights, environment,
-                  warnings);
+                  animation, warnings);
 }
 auto fields(Is<Bvh::Arrays> auto& value) {
   auto& [nodes, packets, objects] = value;
@@ -241,6 +283,7 @@ constexpr bool is_known(Sampling value) {
 // Types that are stored as in memory, alone and in arrays: numbers, and structures of numbers of one type.
 template <typename T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T> || Is<T, Vec2> || Is<T, Vec3> || Is<T, Rgb> ||
-    Is<T, std::array<std::uint32_t, 3>> || Is<T, TextureImage::Tile> || Is<T, BvhNode> || Is<T, BvhPacket>;
+    Is<T, Quaternion> || Is<T, std::array<std::uint32_t, 3>> || Is<T, TextureImage::Tile> || Is<T, BvhNode> ||
+    Is<T, BvhPacket>;
 
 }  // namespace tessera::core::stored

@@ -168,6 +168,35 @@ std::optional<std::size_t> read_type(const Field& field, std::span<const std::st
   return field.mistakes().count() == mistakes_before ? std::optional(index) : std::nullopt;
 }
 
+bool has_keyframes(const Field& field) {
+  return find_member_field(field, "keyframes").has_value();
+}
+
+std::vector<KeyframeField> read_keyframes(const Field& field) {
+  const ObjectReader animated(field, scene_keys::kAnimated);
+  const auto list = animated.find("keyframes");
+  const auto* items = list ? list->value().get_if<JsonValue::Array>() : nullptr;
+  if (items == nullptr || items->empty()) {
+    if (list) list->must_be("a list of at least one keyframe such as {\"frame\": 1, \"value\": 0}");
+    return {};
+  }
+  std::vector<KeyframeField> keyframes;
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    const Field entry = list->element(i);
+    const ObjectReader keyframe(entry, scene_keys::kKeyframe);
+    const auto frame = keyframe.find("frame"), value = keyframe.find("value");
+    if (!frame || !value) continue;
+    const float number = read_float(*frame, bounds::kFrame);
+    if (!keyframes.empty() && !(number > keyframes.back().frame)) {
+      frame->mistake(fmt::format("keyframes must be in the order of their frames: {} follows {}", number,
+                                 keyframes.back().frame));
+      continue;
+    }
+    keyframes.push_back({number, *value});
+  }
+  return keyframes;
+}
+
 std::vector<std::pair<std::string, Field>> read_named(const Field& field) {
   const auto* members = field.value().get_if<JsonValue::Object>();
   if (members == nullptr) {

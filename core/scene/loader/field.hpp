@@ -7,10 +7,13 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "core/geometry/primitives.hpp"
 #include "core/math/rgb.hpp"
 #include "core/math/vec3.hpp"
+#include "core/scene/animation.hpp"
 #include "core/scene/loader/json_document.hpp"
 #include "core/scene/loader/mistakes.hpp"
 #include "core/scene/loader/scene_keys.hpp"
@@ -24,8 +27,10 @@ struct Bounds {
 };
 
 namespace bounds {
-// Larger angles would lose the accuracy of sine.
+// Up to kMaxTurnDegrees.
 inline constexpr Bounds kDegrees{[](double v) { return v >= -3600 && v <= 3600; }, "between -3600 and 3600"};
+inline constexpr Bounds kFrame{[](double v) { return v >= -1e6 && v <= 1e6; },
+                               "a number between -1000000 and 1000000"};
 inline constexpr Bounds kAny{[](double) { return true; }, "a number"};
 inline constexpr Bounds kCoordinate{[](double v) { return -1e15 <= v && v <= 1e15; },
                                     "a number between -1e15 and 1e15"};
@@ -93,11 +98,39 @@ std::optional<std::size_t> read_type(const Field& field, std::span<const std::st
 // The members of an object whose keys are user-defined names; empty names are mistakes.
 std::vector<std::pair<std::string, Field>> read_named(const Field& field);
 
+// A keyframe of a value that is written as {"keyframes": [{"frame": 1, "value": ...}, ...]}.
+struct KeyframeField {
+  float frame;
+  Field value;
+};
+
+// Whether the value is written as keyframes.
+bool has_keyframes(const Field& field);
+// The keyframes, whose frames increase.
+std::vector<KeyframeField> read_keyframes(const Field& field);
+
 // The value of `key`, read by `read` (one of the above) with the remaining arguments, or `otherwise`.
 template <typename T, typename Read, typename... Args>
 T read_or(const ObjectReader& object, std::string_view key, T otherwise, Read read, const Args&... args) {
   const auto field = object.find(key);
   return field ? static_cast<T>(read(*field, args...)) : otherwise;
+}
+
+// The same for a value that may be animated: fills `track`, and returns the value at frame 0.
+template <typename T, typename Read, typename... Args>
+T read_animated(const Field& field, Track<T>& track, Read read, const Args&... args) {
+  if (!has_keyframes(field)) return read(field, args...);
+  for (const KeyframeField& keyframe : read_keyframes(field)) {
+    track.frames.push_back(keyframe.frame);
+    track.values.push_back(read(keyframe.value, args...));
+  }
+  return value_at(track, 0, T{});
+}
+template <typename T, typename Read, typename... Args>
+T read_animated_or(const ObjectReader& object, std::string_view key, T otherwise, Track<T>& track, Read read,
+                   const Args&... args) {
+  const auto field = object.find(key);
+  return field ? read_animated(*field, track, read, args...) : otherwise;
 }
 
 }  // namespace tessera::core

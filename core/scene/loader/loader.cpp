@@ -34,6 +34,7 @@ class SceneAssembler {
 
  private:
   void add_texture(const TextureEntry& entry);
+  void add_scene_shape(ShapeEntry entry, std::string name);
   // Adds a shape to the scene or to an object. `name` is the shape's name in messages.
   template <typename Owner>
   void add_shape(ShapeEntry entry, std::string name, Owner& owner);
@@ -57,6 +58,8 @@ SceneDescription SceneAssembler::assemble(SceneFile file) {
   scene_.display = file.display;
   scene_.lights = std::move(file.lights);
   scene_.environment = file.environment;
+  scene_.animation.camera = std::move(file.camera_animation);
+  scene_.animation.lights = std::move(file.light_animations);
   for (const auto& texture : file.textures) add_texture(texture);
   std::vector<Place> material_places;
   for (auto& entry : file.materials) {
@@ -65,7 +68,7 @@ SceneDescription SceneAssembler::assemble(SceneFile file) {
   }
   for (auto& object : file.objects) add_object(std::move(object));
   for (std::size_t i = 0; i < file.shapes.size(); ++i)
-    add_shape(std::move(file.shapes[i]), fmt::format("shapes[{}]", i), scene_);
+    add_scene_shape(std::move(file.shapes[i]), fmt::format("shapes[{}]", i));
   if (mistakes_.empty()) check_plausibility(scene_, material_places, file.shapes_place, mistakes_);
   scene_.warnings = warnings_.messages();
   return std::move(scene_);
@@ -83,6 +86,26 @@ void SceneAssembler::add_object(ObjectEntry entry) {
   for (std::size_t i = 0; i < entry.shapes.size(); ++i)
     add_shape(std::move(entry.shapes[i]), fmt::format("shapes[{}]", i), object);
   scene_.objects.push_back(std::move(object));
+}
+
+// An animated shape becomes an instance of an object of its own, so that only its placement changes.
+void SceneAssembler::add_scene_shape(ShapeEntry entry, std::string name) {
+  TransformEntry placement = std::move(entry.placement);
+  const auto* shape = std::get_if<ShapeDescription>(&entry.shape);
+  const bool is_instance = shape != nullptr && std::holds_alternative<InstanceDescription>(*shape);
+  if (placement.motion.empty() || is_instance) {
+    add_shape(std::move(entry), std::move(name), scene_);
+  } else {
+    const auto object = static_cast<std::uint32_t>(scene_.objects.size());
+    ObjectDescription own{name, {}, {}};
+    add_shape(std::move(entry), name, own);
+    scene_.objects.push_back(std::move(own));
+    scene_.shapes.emplace_back(InstanceDescription{object, placement.transform, std::nullopt});
+    scene_.shape_names.push_back(std::move(name));
+  }
+  if (!placement.motion.empty())
+    scene_.animation.instances.push_back(
+        {static_cast<std::uint32_t>(scene_.shapes.size()) - 1, std::move(placement.motion)});
 }
 
 template <typename Owner>
@@ -170,9 +193,11 @@ Result<SceneDescription> load_scene(AssetSource& assets, const std::string& scen
   }
 }
 
-Result<SceneDescription> load_scene_file(const std::string& path) {
+Result<SceneDescription> load_scene_file(const std::string& path,
+                                         const std::vector<ParameterOverride>& overrides) {
   const std::filesystem::path file(path);
-  FolderAssets assets(file.parent_path().string());
+  FolderAssets folder(file.parent_path().string());
+  OverriddenAssets assets(folder, file.filename().string(), overrides);
   return load_scene(assets, file.filename().string(), path);
 }
 

@@ -8,10 +8,12 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/base/error.hpp"
 #include "core/scene/description.hpp"
 #include "core/scene/loader/asset_source.hpp"
+#include "core/scene/loader/parameter_override.hpp"
 #include "core/scene/loader/scene_limits.hpp"
 
 namespace tessera::core {
@@ -22,7 +24,8 @@ namespace tessera::core {
 Result<SceneDescription> load_scene(AssetSource& assets, const std::string& scene_path,
                                     const std::string& display_path, const SceneLimits& limits = {});
 
-// Loads a local scene file and the files beside it.
-Result<SceneDescription> load_scene_file(const std::string& path);
+// Loads a local scene file, with these parameters replaced, and the files beside it.
+Result<SceneDescription> load_scene_file(const std::string& path,
+                                         const std::vector<ParameterOverride>& overrides = {});
 
 }  // namespace tessera::core

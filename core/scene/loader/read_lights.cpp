@@ -17,37 +17,57 @@ bool has_direction(Vec3 v) {
   return length_squared(v) > 0 && std::isfinite(length_squared(v));
 }
 
-PointLightDescription read_point(const Field& field) {
+PointLightDescription read_point(const Field& field, LightAnimation& a) {
   const ObjectReader object(field, scene_keys::kPointLight);
   PointLightDescription light;
-  light.position = read_or(object, "position", light.position, read_vec3, bounds::kCoordinate);
-  light.intensity = read_or(object, "intensity", light.intensity, read_color, bounds::kNotNegative);
+  light.position =
+      read_animated_or(object, "position", light.position, a.position, read_vec3, bounds::kCoordinate);
+  light.intensity =
+      read_animated_or(object, "intensity", light.intensity, a.color, read_color, bounds::kNotNegative);
   return light;
 }
 
-SpotLightDescription read_spot(const Field& field) {
+SpotLightDescription read_spot(const Field& field, LightAnimation& a) {
   const std::size_t mistakes_before = field.mistakes().count();
   const ObjectReader object(field, scene_keys::kSpotLight);
   SpotLightDescription light;
-  light.position = read_or(object, "position", light.position, read_vec3, bounds::kCoordinate);
-  light.look_at = read_or(object, "look_at", light.look_at, read_vec3, bounds::kCoordinate);
-  light.intensity = read_or(object, "intensity", light.intensity, read_color, bounds::kNotNegative);
-  light.angle_degrees = read_or(object, "angle_degrees", light.angle_degrees, read_float, kConeAngle);
-  light.softness = read_or(object, "softness", light.softness, read_float, bounds::kUnit);
+  light.position =
+      read_animated_or(object, "position", light.position, a.position, read_vec3, bounds::kCoordinate);
+  light.look_at =
+      read_animated_or(object, "look_at", light.look_at, a.look_at, read_vec3, bounds::kCoordinate);
+  light.intensity =
+      read_animated_or(object, "intensity", light.intensity, a.color, read_color, bounds::kNotNegative);
+  light.angle_degrees =
+      read_animated_or(object, "angle_degrees", light.angle_degrees, a.angle_degrees, read_float, kConeAngle);
+  light.softness =
+      read_animated_or(object, "softness", light.softness, a.softness, read_float, bounds::kUnit);
   if (field.mistakes().count() == mistakes_before && !has_direction(light.look_at - light.position))
     field.mistake("'look_at' must be another point than 'position', and not too near it to be computed");
   return light;
 }
 
-DirectionalLightDescription read_directional(const Field& field) {
+DirectionalLightDescription read_directional(const Field& field, LightAnimation& a) {
   const std::size_t mistakes_before = field.mistakes().count();
   const ObjectReader object(field, scene_keys::kDirectionalLight);
   DirectionalLightDescription light;
-  light.direction = read_or(object, "direction", light.direction, read_vec3, bounds::kAny);
-  light.irradiance = read_or(object, "irradiance", light.irradiance, read_color, bounds::kNotNegative);
+  light.direction =
+      read_animated_or(object, "direction", light.direction, a.direction, read_vec3, bounds::kAny);
+  light.irradiance =
+      read_animated_or(object, "irradiance", light.irradiance, a.color, read_color, bounds::kNotNegative);
   if (field.mistakes().count() == mistakes_before && !has_direction(light.direction))
     field.mistake("'direction' must have a length that is greater than 0 and can be computed");
   return light;
+}
+
+bool is_animated(const LightAnimation& a) {
+  return !(a.position.empty() && a.look_at.empty() && a.direction.empty() && a.color.empty() &&
+           a.angle_degrees.empty() && a.softness.empty());
+}
+
+LightDescription read_light(const Field& field, std::size_t type, LightAnimation& animation) {
+  if (type == 0) return read_point(field, animation);
+  if (type == 1) return read_spot(field, animation);
+  return read_directional(field, animation);
 }
 
 // Unlike an emission, it has its texture in a separate key.
@@ -63,7 +83,7 @@ Rgb read_environment_radiance(const Field& field) {
 
 }  // namespace
 
-std::vector<LightDescription> read_lights(const Field& field) {
+std::vector<LightDescription> read_lights(const Field& field, std::vector<LightAnimation>& animations) {
   const auto* items = field.value().get_if<JsonValue::Array>();
   if (items == nullptr) {
     field.must_be("a list of lights in brackets");
@@ -74,9 +94,9 @@ std::vector<LightDescription> read_lights(const Field& field) {
     const Field entry = field.element(i);
     const auto type = read_type(entry, kLightTypes, "light");
     if (!type) continue;
-    if (*type == 0) lights.emplace_back(read_point(entry));
-    if (*type == 1) lights.emplace_back(read_spot(entry));
-    if (*type == 2) lights.emplace_back(read_directional(entry));
+    LightAnimation animation{.light = static_cast<std::uint32_t>(lights.size())};
+    lights.push_back(read_light(entry, *type, animation));
+    if (is_animated(animation)) animations.push_back(std::move(animation));
   }
   return lights;
 }

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
+#include <utility>
 
+#include "core/base/overloaded.hpp"
 #include "core/geometry/placement.hpp"
 #include "core/scene/loader/scene_file.hpp"
 #include "core/scene/loader/wording.hpp"
@@ -24,15 +27,47 @@ Vec3 read_scale(const Field& field) {
   return {factor, factor, factor};
 }
 
-Transform read_rotation(const Field& field) {
-  const std::size_t mistakes_before = field.mistakes().count();
-  const ObjectReader object(field, scene_keys::kRotation);
+// The axis of a rotation. Not zero, also after a mistake.
+Vec3 read_axis(const Field& rotation, const ObjectReader& object) {
   const Vec3 axis = read_or(object, "axis", Vec3{0, 1, 0}, read_vec3, bounds::kAny);
-  const float degrees = read_or(object, "degrees", 0.0f, read_float, bounds::kDegrees);
-  if (field.mistakes().count() > mistakes_before) return {};
-  if (length(axis) > 0 && std::isfinite(length(axis))) return rotation(axis, degrees);
-  field.mistake("'axis' must have a length that is greater than 0 and can be computed");
-  return {};
+  if (length(axis) > 0 && std::isfinite(length(axis))) return axis;
+  rotation.mistake("'axis' must have a length that is greater than 0 and can be computed");
+  return {0, 1, 0};
+}
+
+Quaternion read_rotation_key(const Field& field) {
+  const ObjectReader object(field, scene_keys::kRotation);
+  const Vec3 axis = read_axis(field, object);
+  return rotation_quaternion(axis, read_or(object, "degrees", 0.0f, read_float, bounds::kDegrees));
+}
+
+// Keyframes of whole rotations, or of the angle about a fixed axis, or neither.
+MotionStep read_rotation(const Field& field) {
+  if (has_keyframes(field)) {
+    RotationMotion motion;
+    read_animated(field, motion.rotations, read_rotation_key);
+    return motion;
+  }
+  const ObjectReader object(field, scene_keys::kRotation);
+  TurnMotion motion{read_axis(field, object), {}};
+  const float degrees =
+      read_animated_or(object, "degrees", 0.0f, motion.degrees, read_float, bounds::kDegrees);
+  if (motion.degrees.empty()) return rotation(motion.axis, degrees);
+  return motion;
+}
+
+MotionStep read_scaling(const Field& field) {
+  ScaleMotion motion;
+  const Vec3 factors = read_animated(field, motion.factors, read_scale);
+  if (motion.factors.empty()) return scaling(factors);
+  return motion;
+}
+
+MotionStep read_translation(const Field& field) {
+  TranslationMotion motion;
+  const Vec3 offset = read_animated(field, motion.offsets, read_vec3, bounds::kAny);
+  if (motion.offsets.empty()) return translation(offset);
+  return motion;
 }
 
 // Three rows of four numbers: p is multiplied by the first three columns, and the fourth is added.
@@ -42,6 +77,10 @@ Transform read_matrix(const Field& field) {
     const auto* numbers = row.get_if<JsonValue::Array>();
     return numbers != nullptr && numbers->size() == 4;
   };
+  if (has_keyframes(field)) {
+    field.mistake("a matrix cannot be animated; write it as the steps 'scale', 'rotate' and 'translate'");
+    return {};
+  }
   if (rows == nullptr || rows->size() != 3 || !std::all_of(rows->begin(), rows->end(), is_row)) {
     field.must_be("three rows of four numbers such as [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0]]");
     return {};
@@ -57,7 +96,7 @@ Transform read_matrix(const Field& field) {
   return matrix;
 }
 
-Transform read_step(const Field& field) {
+MotionStep read_step(const Field& field) {
   const ObjectReader object(field, scene_keys::kTransformStep);
   const auto* members = field.value().get_if<JsonValue::Object>();
   if (members == nullptr) return {};
@@ -66,9 +105,9 @@ Transform read_step(const Field& field) {
         "a step is one of 'scale', 'rotate', 'translate' and 'matrix'; write several as a list of steps");
     return {};
   }
-  if (const auto factors = object.find("scale")) return scaling(read_scale(*factors));
+  if (const auto factors = object.find("scale")) return read_scaling(*factors);
   if (const auto turn = object.find("rotate")) return read_rotation(*turn);
-  if (const auto offset = object.find("translate")) return translation(read_vec3(*offset, bounds::kAny));
+  if (const auto offset = object.find("translate")) return read_translation(*offset);
   if (const auto matrix = object.find("matrix")) return read_matrix(*matrix);
   return {};
 }
@@ -94,18 +133,21 @@ std::optional<std::uint32_t> read_material_name(const Field& field,
 // The keys common to all shapes.
 struct Common {
   std::optional<std::uint32_t> material;
-  Transform transform;
+  TransformEntry placement;
+
+  // That of the shape's description: an animated shape stays in its own space.
+  Transform transform() const { return placement.motion.empty() ? placement.transform : Transform(); }
 };
 
 Common read_common(const ObjectReader& object, const std::vector<MaterialEntry>& materials) {
   Common common;
   if (const auto material = object.find("material"))
     common.material = read_material_name(*material, materials);
-  if (const auto transform = object.find("transform")) common.transform = read_transform(*transform);
+  if (const auto transform = object.find("transform")) common.placement = read_transform(*transform);
   return common;
 }
 
-MeshEntry read_mesh(const Field& field, const std::vector<MaterialEntry>& materials) {
+ShapeEntry read_mesh(const Field& field, const std::vector<MaterialEntry>& materials) {
   const ObjectReader object(field, scene_keys::kMesh);
   const Common common = read_common(object, materials);
   MeshEntry mesh;
@@ -117,24 +159,25 @@ MeshEntry read_mesh(const Field& field, const std::vector<MaterialEntry>& materi
   mesh.material = common.material;
   if (const auto material = object.find("default_material"))
     mesh.default_material = read_material_name(*material, materials);
-  mesh.transform = common.transform;
-  return mesh;
+  mesh.transform = common.transform();
+  return {std::move(mesh), field.place(), common.placement};
 }
 
-ShapeDescription read_sphere(const Field& field, const std::vector<MaterialEntry>& materials) {
+ShapeEntry read_sphere(const Field& field, const std::vector<MaterialEntry>& materials) {
   const std::size_t mistakes_before = field.mistakes().count();
   const ObjectReader object(field, scene_keys::kSphere);
   const Common common = read_common(object, materials);
   const Vec3 center = read_or(object, "center", Vec3{0, 0, 0}, read_vec3, bounds::kCoordinate);
   const float radius = read_or(object, "radius", 1.0f, read_float, bounds::kPositive);
-  if (field.mistakes().count() > mistakes_before) return SphereDescription{};
-  if (!(uniform_scale(common.transform, 1e-4f) > 0))
+  if (field.mistakes().count() > mistakes_before)
+    return {ShapeDescription(SphereDescription{}), field.place()};
+  const Transform t = common.transform();
+  if (!(uniform_scale(t, 1e-4f) > 0))
     field.mistake("a sphere must stay round: its transform must scale by the same factor in all directions");
-  const SphereDescription sphere{common.transform.point(center), radius * common.transform.scales().x,
-                                 common.material.value_or(0)};
+  const SphereDescription sphere{t.point(center), radius * t.scales().x, common.material.value_or(0)};
   if (!is_finite(sphere.center) || !std::isfinite(sphere.radius) || !(sphere.radius > 0))
     field.mistake("the transformed sphere is too large or too small to be computed");
-  return sphere;
+  return {ShapeDescription(sphere), field.place(), common.placement};
 }
 
 // Converts a mirrored quad to triangles, which keeps its uv and its outward side.
@@ -147,22 +190,22 @@ MeshDescription mirrored_quad(const QuadDescription& q) {
   return mesh;
 }
 
-ShapeDescription read_quad(const Field& field, const std::vector<MaterialEntry>& materials) {
+ShapeEntry read_quad(const Field& field, const std::vector<MaterialEntry>& materials) {
   const std::size_t mistakes_before = field.mistakes().count();
   const ObjectReader object(field, scene_keys::kQuad);
   const Common common = read_common(object, materials);
-  const Transform& t = common.transform;
+  const Transform t = common.transform();
   const auto corner = read_or(object, "corner", Vec3{0, 0, 0}, read_vec3, bounds::kCoordinate);
   const auto edge_u = read_or(object, "edge_u", Vec3{}, read_vec3, bounds::kCoordinate);
   const auto edge_v = read_or(object, "edge_v", Vec3{}, read_vec3, bounds::kCoordinate);
-  if (field.mistakes().count() > mistakes_before) return QuadDescription{};
+  if (field.mistakes().count() > mistakes_before) return {ShapeDescription(QuadDescription{}), field.place()};
   const QuadDescription quad{t.point(corner), t.direction(edge_u), t.direction(edge_v),
                              common.material.value_or(0)};
   const float area = length(cross(quad.edge_u, quad.edge_v));
   if (!(area > 0) || !std::isfinite(area) || !is_finite(quad.corner))
     field.mistake("'edge_u' and 'edge_v' must span an area that is greater than 0 and can be computed");
-  if (t.determinant() < 0) return mirrored_quad(quad);
-  return quad;
+  if (t.determinant() < 0) return {ShapeDescription(mirrored_quad(quad)), field.place()};
+  return {ShapeDescription(quad), field.place(), common.placement};
 }
 
 // The index among `objects`.
@@ -188,14 +231,15 @@ bool has_emissive_sphere(const ObjectEntry& object, std::optional<std::uint32_t>
   });
 }
 
-ShapeDescription read_instance(const Field& field, const std::vector<MaterialEntry>& materials,
-                               const std::vector<ObjectEntry>& objects) {
+ShapeEntry read_instance(const Field& field, const std::vector<MaterialEntry>& materials,
+                         const std::vector<ObjectEntry>& objects) {
   const std::size_t mistakes_before = field.mistakes().count();
   const ObjectReader object(field, scene_keys::kInstance);
   const Common common = read_common(object, materials);
-  InstanceDescription instance{0, common.transform, common.material};
+  InstanceDescription instance{0, common.placement.transform, common.material};
+  const auto entry = [&] { return ShapeEntry{ShapeDescription(instance), field.place(), common.placement}; };
   if (const auto name = object.find("object")) instance.object = read_object_name(*name, objects).value_or(0);
-  if (field.mistakes().count() > mistakes_before) return instance;
+  if (field.mistakes().count() > mistakes_before) return entry();
   if (!Placement::can_place(instance.to_world)) {
     field.mistake("the transform flattens the object, or scales or moves it too far to be computed");
   } else if (has_emissive_sphere(objects[instance.object], instance.material, materials) &&
@@ -204,24 +248,60 @@ ShapeDescription read_instance(const Field& field, const std::vector<MaterialEnt
         "a sphere of the object emits light and must stay round: the transform must scale by the same factor "
         "in all directions");
   }
-  return instance;
+  return entry();
+}
+
+// All frames at which the motion has a keyframe.
+std::set<float> keyframes_of(const std::vector<MotionStep>& motion) {
+  std::set<float> frames;
+  const auto add = [&frames](const auto& track) { frames.insert(track.frames.begin(), track.frames.end()); };
+  for (const MotionStep& step : motion)
+    std::visit(Overloaded{[](const Transform&) {}, [&](const ScaleMotion& s) { add(s.factors); },
+                          [&](const TurnMotion& s) { add(s.degrees); },
+                          [&](const RotationMotion& s) { add(s.rotations); },
+                          [&](const TranslationMotion& s) { add(s.offsets); }},
+               step);
+  return frames;
+}
+
+// Frames between two keyframes are checked when they are rendered.
+bool is_usable_at_keyframes(const std::vector<MotionStep>& motion, const Field& field) {
+  for (const float frame : keyframes_of(motion)) {
+    if (is_usable(transform_at(motion, frame))) continue;
+    field.mistake(fmt::format(
+        "at frame {}, the steps together flatten, scale or move the shape too far to be computed", frame));
+    return false;
+  }
+  return true;
+}
+
+// Objects are the same in all instances, and so are their shapes.
+void refuse_motion(const ShapeEntry& entry, const Field& field) {
+  if (const auto transform = find_member_field(field, "transform");
+      transform && !entry.placement.motion.empty())
+    transform->mistake("a shape of an object cannot move by itself: animate the transforms of its instances");
 }
 
 }  // namespace
 
-Transform read_transform(const Field& field) {
+TransformEntry read_transform(const Field& field) {
   const auto* steps = field.value().get_if<JsonValue::Array>();
   if (steps == nullptr) {
     field.must_be("a list of steps such as [{\"scale\": 2}, {\"translate\": [0, 1, 0]}]");
     return {};
   }
   const std::size_t mistakes_before = field.mistakes().count();
-  Transform all;
-  for (std::size_t i = 0; i < steps->size(); ++i) all = compose(read_step(field.element(i)), all);
+  std::vector<MotionStep> motion;
+  for (std::size_t i = 0; i < steps->size(); ++i) motion.push_back(read_step(field.element(i)));
   if (field.mistakes().count() > mistakes_before) return {};
-  if (is_usable(all)) return all;
-  field.mistake("the steps together scale or move too far to be computed");
-  return {};
+  const Transform all = transform_at(motion, 0);
+  if (!is_usable(all)) {
+    field.mistake("the steps together scale or move too far to be computed");
+    return {};
+  }
+  if (keyframes_of(motion).empty()) return {all, {}};
+  if (!is_usable_at_keyframes(motion, field)) return {};
+  return {all, std::move(motion)};
 }
 
 std::vector<ObjectEntry> read_objects(const Field& field, const std::vector<MaterialEntry>& materials) {
@@ -247,13 +327,13 @@ std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<Materi
     const Field entry = field.element(i);
     const auto type = read_type(entry, kShapeTypes, "shape");
     if (!type) continue;
-    if (*type == 0) shapes.push_back({read_mesh(entry, materials), entry.place()});
-    if (*type == 1) shapes.push_back({read_sphere(entry, materials), entry.place()});
-    if (*type == 2) shapes.push_back({read_quad(entry, materials), entry.place()});
-    if (*type == 3 && objects != nullptr)
-      shapes.push_back({read_instance(entry, materials, *objects), entry.place()});
+    if (*type == 0) shapes.push_back(read_mesh(entry, materials));
+    if (*type == 1) shapes.push_back(read_sphere(entry, materials));
+    if (*type == 2) shapes.push_back(read_quad(entry, materials));
+    if (*type == 3 && objects != nullptr) shapes.push_back(read_instance(entry, materials, *objects));
     if (*type == 3 && objects == nullptr)
       entry.mistake("an object cannot hold instances of others; write them in the scene's own 'shapes'");
+    if (*type != 3 && objects == nullptr) refuse_motion(shapes.back(), entry);
   }
   return shapes;
 }

@@ -115,22 +115,25 @@ RenderSettings read_render(const Field& field) {
   return settings;
 }
 
-CameraDescription read_camera(const Field& field) {
+CameraDescription read_camera(const Field& field, CameraAnimation& a) {
   const std::size_t mistakes_before = field.mistakes().count();
   const ObjectReader object(field, scene_keys::kCamera);
   CameraDescription camera;
-  camera.position = read_or(object, "position", camera.position, read_vec3, bounds::kCoordinate);
-  camera.look_at = read_or(object, "look_at", camera.look_at, read_vec3, bounds::kCoordinate);
-  camera.up = read_or(object, "up", camera.up, read_vec3, bounds::kAny);
-  camera.vertical_fov_degrees =
-      read_or(object, "vertical_fov_degrees", camera.vertical_fov_degrees, read_float, kFieldOfView);
-  camera.aperture_radius =
-      read_or(object, "aperture_radius", camera.aperture_radius, read_float, bounds::kNotNegative);
-  camera.focus_distance =
-      read_or(object, "focus_distance", camera.focus_distance, read_float, bounds::kPositive);
+  camera.position =
+      read_animated_or(object, "position", camera.position, a.position, read_vec3, bounds::kCoordinate);
+  camera.look_at =
+      read_animated_or(object, "look_at", camera.look_at, a.look_at, read_vec3, bounds::kCoordinate);
+  camera.up = read_animated_or(object, "up", camera.up, a.up, read_vec3, bounds::kAny);
+  camera.vertical_fov_degrees = read_animated_or(object, "vertical_fov_degrees", camera.vertical_fov_degrees,
+                                                 a.vertical_fov_degrees, read_float, kFieldOfView);
+  camera.aperture_radius = read_animated_or(object, "aperture_radius", camera.aperture_radius,
+                                            a.aperture_radius, read_float, bounds::kNotNegative);
+  camera.focus_distance = read_animated_or(object, "focus_distance", camera.focus_distance, a.focus_distance,
+                                           read_float, bounds::kPositive);
   camera.aperture_blades = read_or(object, "aperture_blades", camera.aperture_blades, read_blades);
   camera.aperture_rotation_degrees =
-      read_or(object, "aperture_rotation_degrees", camera.aperture_rotation_degrees, read_float, kTurn);
+      read_animated_or(object, "aperture_rotation_degrees", camera.aperture_rotation_degrees,
+                       a.aperture_rotation_degrees, read_float, kTurn);
   if (field.mistakes().count() == mistakes_before) check_viewing_direction(camera, field);
   return camera;
 }
@@ -155,7 +158,7 @@ SceneFile parse_scene_file(std::string_view text, const std::string& display_pat
   SceneFile scene;
   if (const auto schema = object.find("$schema")) read_text(*schema);
   if (const auto render = object.find("render")) scene.settings = read_render(*render);
-  if (const auto camera = object.find("camera")) scene.camera = read_camera(*camera);
+  if (const auto camera = object.find("camera")) scene.camera = read_camera(*camera, scene.camera_animation);
   if (const auto output = object.find("output")) scene.display = read_output(*output);
   if (const auto textures = object.find("textures")) scene.textures = read_textures(*textures);
   if (const auto materials = object.find("materials"))
@@ -165,7 +168,7 @@ SceneFile parse_scene_file(std::string_view text, const std::string& display_pat
     scene.shapes = read_shapes(*shapes, scene.materials, &scene.objects);
     scene.shapes_place = shapes->place();
   }
-  if (const auto lights = object.find("lights")) scene.lights = read_lights(*lights);
+  if (const auto lights = object.find("lights")) scene.lights = read_lights(*lights, scene.light_animations);
   if (const auto environment = object.find("environment"))
     scene.environment = read_environment(*environment, scene.textures);
   settle_color_spaces(scene);

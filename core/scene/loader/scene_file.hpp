@@ -48,9 +48,17 @@ struct MeshEntry {
   Transform transform;
 };
 
+// A transform as written.
+struct TransformEntry {
+  Transform transform;             // at frame 0
+  std::vector<MotionStep> motion;  // empty unless animated
+};
+
 struct ShapeEntry {
   std::variant<MeshEntry, ShapeDescription> shape;
   Place place;
+  // Of an animated shape. Its description is then in its own space, unless it is an instance.
+  TransformEntry placement{};
 };
 
 // An object for instances.
@@ -70,13 +78,16 @@ struct SceneFile {
   Place shapes_place;
   std::vector<LightDescription> lights;
   std::optional<EnvironmentDescription> environment;
+  CameraAnimation camera_animation;
+  std::vector<LightAnimation> light_animations;
 };
 
 // Errors are added to `mistakes`, which names the file; the result is complete only if there are none.
 SceneFile parse_scene_file(std::string_view text, const std::string& display_path, Mistakes& mistakes);
 
 RenderSettings read_render(const Field& field);
-CameraDescription read_camera(const Field& field);
+// At frame 0; fills `animation`.
+CameraDescription read_camera(const Field& field, CameraAnimation& animation);
 DisplaySettings read_output(const Field& field);
 std::vector<TextureEntry> read_textures(const Field& field);
 // The index in `textures`; -1 after a mistake.
@@ -89,9 +100,10 @@ std::vector<ObjectEntry> read_objects(const Field& field, const std::vector<Mate
 // If `objects` is null, instances are a mistake.
 std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<MaterialEntry>& materials,
                                     const std::vector<ObjectEntry>* objects);
-std::vector<LightDescription> read_lights(const Field& field);
+// At frame 0; appends to `animations`.
+std::vector<LightDescription> read_lights(const Field& field, std::vector<LightAnimation>& animations);
 EnvironmentDescription read_environment(const Field& field, const std::vector<TextureEntry>& textures);
-// Finite and invertible; the identity after a mistake.
-Transform read_transform(const Field& field);
+// Finite and invertible at all keyframes; the identity after a mistake.
+TransformEntry read_transform(const Field& field);
 
 }  // namespace tessera::core

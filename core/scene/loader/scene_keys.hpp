@@ -90,6 +90,8 @@ inline constexpr std::array kEnvironmentKeys{KeyRule{"radiance"}, KeyRule{"textu
                                              KeyRule{"rotation_degrees"}};
 inline constexpr std::array kTransformStepKeys{KeyRule{"scale"}, KeyRule{"rotate"}, KeyRule{"translate"},
                                                KeyRule{"matrix"}};
+inline constexpr std::array kAnimatedKeys{KeyRule{"keyframes", kRequired}};
+inline constexpr std::array kKeyframeKeys{KeyRule{"frame", kRequired}, KeyRule{"value", kRequired}};
 inline constexpr std::array kRotationKeys{KeyRule{"axis", kRequired}, KeyRule{"degrees", kRequired}};
 
 inline constexpr ObjectRules kScene{"scene", "", kSceneKeys};
@@ -127,6 +129,8 @@ inline constexpr ObjectRules kDirectionalLight{"directional light", "/$defs/dire
 inline constexpr ObjectRules kEnvironment{"environment", "/properties/environment", kEnvironmentKeys};
 inline constexpr ObjectRules kTransformStep{"transform step", "/$defs/transform_step", kTransformStepKeys};
 inline constexpr ObjectRules kRotation{"rotation", "/$defs/rotation", kRotationKeys};
+inline constexpr ObjectRules kAnimated{"animated value", "/$defs/animated", kAnimatedKeys};
+inline constexpr ObjectRules kKeyframe{"keyframe", "/$defs/keyframe", kKeyframeKeys};
 
 inline constexpr std::array kAllObjects{kScene,
                                         kRender,
@@ -153,6 +157,8 @@ inline constexpr std::array kAllObjects{kScene,
                                         kObject,
                                         kTransformStep,
                                         kRotation,
+                                        kAnimated,
+                                        kKeyframe,
                                         kPointLight,
                                         kSpotLight,
                                         kDirectionalLight,

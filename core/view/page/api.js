@@ -31,6 +31,9 @@ export function jobPath(id, rest = '') {
   return `jobs/${encodeURIComponent(id)}${rest}`;
 }
 
+// The parameter that names an image of a job.
+export const imageQuery = (index) => ({image: index > 0 ? String(index) : null});
+
 export async function toError(response) {
   const body = await response.json().catch(() => ({}));
   const error = new ApiError(response.status, body.error ?? {});

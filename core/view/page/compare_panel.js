@@ -92,7 +92,8 @@ export class ComparePanel {
   async takeSnapshot() {
     this.take.disabled = true;
     try {
-      const snapshot = await takeSnapshot(this.viewer.gl, this.job, AbortSignal.timeout(60000));
+      const {gl, image} = this.viewer;
+      const snapshot = await takeSnapshot(gl, this.job, image, AbortSignal.timeout(60000));
       this.snapshots.unshift(snapshot);
       this.snapshots.splice(kMaxSnapshots).forEach((old) => old.store.release());
       this.listChoices();
@@ -111,11 +112,21 @@ export class ComparePanel {
     this.choose('');
   }
 
+  // Another job is shown with its image of the same index, if it has that.
+  openOther(job) {
+    const {image} = this.viewer;
+    return this.viewer.openSource(job, image < (job.image_count ?? 1) ? image : 0);
+  }
+
+  imageChanged() {
+    if (this.viewer.other?.look) this.choose(this.choice.value);
+  }
+
   choose(value) {
     const other = value.startsWith('snapshot ')
       ? this.snapshots[Number(value.slice(9))]
       : store.jobs.has(value)
-        ? this.viewer.openSource(store.jobs.get(value))
+        ? this.openOther(store.jobs.get(value))
         : null;
     if (!other) this.choice.value = '';
     this.viewer.setOther(other);

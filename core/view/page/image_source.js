@@ -2,6 +2,7 @@
 // Keeps the visible part of a job's image current: one live stream for the region and level that are seen,
 // and short ones that fill in what comes into view. Streams resume by themselves and are closed while the
 // page is hidden.
+import {imageQuery} from './api.js';
 import {readTiles} from './tile_stream.js';
 import {TileStore, touches} from './tile_store.js';
 
@@ -31,9 +32,11 @@ export function missingParts(region, known) {
 }
 
 export class ImageSource {
-  // listener.changed(): something to draw; listener.job(job): its newest state.
-  constructor(gl, job, listener) {
+  // `image`: its index in the job. listener.changed(): something to draw; listener.job(job): its newest
+  // state.
+  constructor(gl, job, image, listener) {
     this.id = job.id;
+    this.image = image;
     this.window = jobWindow(job);
     this.listener = listener;
     this.store = new TileStore(gl, this.window);
@@ -128,7 +131,7 @@ export class ImageSource {
   }
 
   async follow(signal, retry) {
-    const query = {level: this.level, region: regionText(this.region), since: this.revision};
+    const query = this.query(this.region, this.revision);
     const isFirst = this.revision === 0;
     if (isFirst) this.missing.add(this.region);
     let heard = false;
@@ -148,6 +151,10 @@ export class ImageSource {
     );
   }
 
+  query(region, since) {
+    return {level: this.level, region: regionText(region), since, ...imageQuery(this.image)};
+  }
+
   caughtUp(header) {
     if (header.type === 'revision') this.revision = header.revision;
     if (header.type === 'end') this.isEnded = true;
@@ -164,7 +171,7 @@ export class ImageSource {
     const signal = AbortSignal.any([outer, own.signal]);
     const needed = this.revision;
     this.missing.add(part);
-    const query = {level: this.level, region: regionText(part), since: 0};
+    const query = this.query(part, 0);
     let isDone = false;
     await readTiles(this.id, query, signal, (header, halves) => {
       if (signal.aborted) return;
@@ -189,7 +196,7 @@ export class ImageSource {
 
 // A copy of the whole image at this moment, at most about four million texels: rejects if it cannot be
 // fetched.
-export async function takeSnapshot(gl, job, signal) {
+export async function takeSnapshot(gl, job, image, signal) {
   const window = jobWindow(job);
   const pixels = (window.x1 - window.x0) * (window.y1 - window.y0);
   const level = Math.min(6, Math.max(0, Math.ceil(Math.log2(pixels / 4.5e6) / 2)));
@@ -199,7 +206,8 @@ export async function takeSnapshot(gl, job, signal) {
   let taken = job;
   let isDone = false;
   try {
-    await readTiles(job.id, {level, region: regionText(window), since: 0}, both, (header, halves) => {
+    const query = {level, region: regionText(window), since: 0, ...imageQuery(image)};
+    await readTiles(job.id, query, both, (header, halves) => {
       if (both.aborted) return;
       if (header.type === 'job') taken = header.job;
       if (header.type === 'tile' && header.level === level) store.put(level, header, halves);

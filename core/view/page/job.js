@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // One job: its live image, and beside it everything about it.
-import {get, jobPath} from './api.js';
+import {get, imageQuery, jobPath, url} from './api.js';
 import {ComparePanel} from './compare_panel.js';
 import {DisplayPanel} from './display_panel.js';
 import {EventsPanel, FilesPanel, ProgressPanel, SettingsPanel} from './details_panel.js';
 import {h, setAttribute, setHidden, setText, throttle} from './dom.js';
 import {installHooks} from './hooks.js';
+import {ImagesPanel} from './images_panel.js';
 import {isOver, jobTitle} from './format.js';
 import {JobHead} from './job_head.js';
 import {OverlayPanel} from './overlay_panel.js';
@@ -16,8 +17,9 @@ import {viewerKeys} from './viewer_input.js';
 
 const kDetailsMs = 5000;
 
-export function jobView(root, id) {
-  const view = new JobView(root, id);
+// parameters: `image`, the index of the image to show.
+export function jobView(root, id, parameters) {
+  const view = new JobView(root, id, Math.max(0, Math.trunc(Number(parameters.get('image'))) || 0));
   return {
     get title() {
       return view.job ? jobTitle(view.job) : 'Job';
@@ -28,12 +30,14 @@ export function jobView(root, id) {
 }
 
 class JobView {
-  constructor(root, id) {
+  constructor(root, id, image) {
     this.id = id;
+    this.image = image;
     this.keys = [];
     this.job = null;
     this.head = new JobHead(id);
     this.progress = new ProgressPanel();
+    this.images = new ImagesPanel((index) => this.showImage(index));
     this.settings = new SettingsPanel();
     this.files = new FilesPanel();
     this.events = new EventsPanel(id);
@@ -42,6 +46,7 @@ class JobView {
     this.side = h(
       'div.side',
       {},
+      this.images.element,
       this.progress.element,
       this.settings.element,
       this.events.element,
@@ -64,7 +69,7 @@ class JobView {
     installHooks(null);
   }
 
-  // Files, warnings and troubles come only in the answer for a single job.
+  // Files, images, warnings and troubles come only in the answer for a single job.
   async fetchDetails() {
     try {
       const job = await get(jobPath(this.id));
@@ -97,8 +102,11 @@ class JobView {
   update(newest) {
     if (this.job && this.job.revision > newest.revision) return;
     const before = this.job;
-    const {files, scene, warnings, troubles} = this.details ?? newest;
-    this.job = {...newest, files, scene, warnings, troubles};
+    const {files, scene, warnings, troubles, images} = this.details ?? newest;
+    this.job = {...newest, files, scene, warnings, troubles, images};
+    if (this.image >= (newest.image_count ?? 1)) this.image = 0;
+    this.images.show(this.image);
+    this.images.update(this.job);
     this.head.update(this.job);
     this.progress.update(this.job);
     this.settings.update(this.job);
@@ -111,6 +119,17 @@ class JobView {
     }
     if (!this.viewer) this.tryViewer();
     this.overlays?.update(this.job);
+  }
+
+  showImage(index) {
+    this.image = index;
+    this.images.show(index);
+    const address = `#/jobs/${encodeURIComponent(this.id)}`;
+    history.replaceState(null, '', index > 0 ? `${address}?image=${index}` : address);
+    this.viewer?.setImage(index);
+    this.overlays?.imageChanged();
+    this.compare?.imageChanged();
+    this.readout?.imageChanged();
   }
 
   tryViewer() {
@@ -134,7 +153,7 @@ class JobView {
   }
 
   openViewer(job) {
-    this.viewer = new Viewer(job, {
+    this.viewer = new Viewer(job, this.image, {
       job: (newest) => {
         store.putJob(newest);
         this.update(newest);
@@ -159,6 +178,7 @@ class JobView {
     setHidden(this.message, true);
     this.stage.append(this.viewer.element, this.readout.element);
     this.progress.element.after(this.display.element, this.overlays.element, this.compare.element);
+    if (job.image_count > 1) this.keys.push(...this.images.keys());
     this.keys.push(
       ...viewerKeys(this.viewer, this.display),
       ...this.display.keys(),
@@ -171,12 +191,16 @@ class JobView {
 
   // Without WebGL: the image as the coordinator develops it, refreshed now and then.
   showStill(error) {
-    this.viewer = {source: {reopen() {}}, close() {}};
     const image = h('img.still', {alt: `Image of ${jobTitle(this.job)} so far`});
     const refresh = () => {
-      image.src = `api/v1/${jobPath(this.id, '/thumbnail')}?size=512&revision=${this.job.revision}`;
+      image.src = url(jobPath(this.id, '/thumbnail'), {
+        size: 512,
+        revision: this.job.revision,
+        ...imageQuery(this.image),
+      });
     };
-    this.overlays = {update: throttle(3000, refresh), close() {}};
+    this.viewer = {source: {reopen() {}}, setImage: refresh, close() {}};
+    this.overlays = {update: throttle(3000, refresh), imageChanged() {}, close() {}};
     this.message.replaceChildren(image, h('p', {}, error.message));
     refresh();
   }

@@ -2,7 +2,7 @@
 // The head of a job's view: name, state, progress, and what can be done with it.
 import {whyNot} from './access.js';
 import {kActions} from './actions.js';
-import {jobPath, url} from './api.js';
+import {imageQuery, jobPath, url} from './api.js';
 import {guarded, menuButton, setReason} from './dialogs.js';
 import {h, icon, setHidden, setText} from './dom.js';
 import {duration, jobTitle, shownState, timeLeft} from './format.js';
@@ -18,9 +18,10 @@ const kFormats = [
 // What the coordinator can develop; the view may use others.
 const kServerCurves = ['none', 'aces', 'agx'];
 
-// The address of the job's image in a file format, developed as `display` says if that is given.
-export function imageUrl(id, format, display) {
-  const query = {format};
+// The address of an image of the job in a file format, developed as the viewer shows it if there is one.
+export function imageUrl(id, format, viewer) {
+  const query = {format, ...imageQuery(viewer?.image ?? 0)};
+  const display = viewer?.display;
   if (format === 'png' && display) {
     query.exposure = String(display.exposure);
     query.tone_curve = kServerCurves.includes(display.curve) ? display.curve : 'none';
@@ -83,7 +84,7 @@ export class JobHead {
     const files = kFormats.map(([format, label]) => ({
       label,
       icon: 'download',
-      href: imageUrl(this.id, format, this.view?.display),
+      href: imageUrl(this.id, format, this.view),
     }));
     return this.view
       ? [...files, {label: 'PNG of the view', icon: 'camera', run: () => this.saveView()}]

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starts the page: session, header, and the view that the address names: #/ (farm), #/jobs/ID, #/submit.
+// Starts the page: session, header, and the view that the address names: #/ (farm), #/jobs/ID?image=N,
+// #/submit.
 import {get, remove, setUnauthenticatedHandler} from './api.js';
 import {farmView} from './farm.js';
 import {header} from './header.js';
@@ -17,10 +18,11 @@ let shownHash = null;
 function route() {
   const [path, query = ''] = location.hash.replace(/^#/, '').split('?');
   const [, name, id] = path.split('/');
-  if (store.isLocal) return () => jobView(root, 'local');
-  if (name === 'jobs' && id) return () => jobView(root, decodeURIComponent(id));
+  const parameters = new URLSearchParams(query);
+  if (store.isLocal) return () => jobView(root, 'local', parameters);
+  if (name === 'jobs' && id) return () => jobView(root, decodeURIComponent(id), parameters);
   if (name === 'submit') return () => submitView(root);
-  return () => farmView(root, new URLSearchParams(query));
+  return () => farmView(root, parameters);
 }
 
 function show(build, isMoved) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tiles coloured by state, samples, noise or worker, refreshed while the job runs.
-import {get, jobPath} from './api.js';
+import {get, imageQuery, jobPath} from './api.js';
 import {section} from './details_panel.js';
 import {h, select, setHidden, throttle} from './dom.js';
 import {isOver} from './format.js';
@@ -43,9 +43,19 @@ export class OverlayPanel {
   async fetch() {
     if (this.kind === 'none' || this.isFetching) return;
     this.isFetching = true;
-    this.map = await get(jobPath(this.job.id, '/map')).catch(() => this.map);
+    const {image} = this.viewer;
+    const query = imageQuery(image);
+    const map = await get(jobPath(this.job.id, '/map'), {query}).catch(() => this.map);
     this.isFetching = false;
+    if (image !== this.viewer.image) return void this.fetch();
+    this.map = map;
     this.paint();
+  }
+
+  imageChanged() {
+    this.map = null;
+    this.paint();
+    this.fetch();
   }
 
   paint() {

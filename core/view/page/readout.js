@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The line below the image: the pixel under the pointer, and the zoom.
-import {get, jobPath} from './api.js';
+import {get, imageQuery, jobPath} from './api.js';
 import {h, icon, setAttribute, setText, throttle} from './dom.js';
 import {light, plural} from './format.js';
 
@@ -105,16 +105,21 @@ export class Readout {
     value.forEach((v, i) => setText(this.values[i], Number.isNaN(v) ? '' : `${'RGB'[i]} ${light(v)}`));
   }
 
+  imageChanged() {
+    if (this.cursor) this.show(this.cursor);
+  }
+
   async fetch() {
     if (!this.cursor) return;
-    const {window} = this.viewer.source;
+    const {image, source} = this.viewer;
+    const {window} = source;
     const [x, y] = [this.cursor.x + window.x0, this.cursor.y + window.y0];
-    const pixel = await get(jobPath(this.id, '/pixel'), {query: {x: String(x), y: String(y)}}).catch(
-      () => null,
-    );
+    const query = {x: String(x), y: String(y), ...imageQuery(image)};
+    const pixel = await get(jobPath(this.id, '/pixel'), {query}).catch(() => null);
     if (
       !pixel ||
       !this.cursor ||
+      image !== this.viewer.image ||
       this.cursor.x + window.x0 !== pixel.x ||
       this.cursor.y + window.y0 !== pixel.y
     )

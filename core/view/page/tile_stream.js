@@ -86,6 +86,23 @@ function joined(parts) {
   return whole;
 }
 
+// The half floats of a frame; null if it has none.
+async function halvesOf({type}, payload) {
+  if (type === 'tile') return inflate(payload);
+  if (type === 'tiles') return new Uint16Array(payload.slice().buffer);
+  return null;
+}
+
+// Calls take(header, halves) for each of the coarse tiles that share a frame, as if it had one of its own.
+function takeEach({level, tiles}, halves, take) {
+  let at = 0;
+  for (const [x0, y0, x1, y1, revision, samples] of tiles) {
+    const size = 3 * Math.ceil((x1 - x0) / 2 ** level) * Math.ceil((y1 - y0) / 2 ** level);
+    take({type: 'tile', x0, y0, x1, y1, level, revision, samples}, halves.subarray(at, at + size));
+    at += size;
+  }
+}
+
 // Calls handler(header, halves) for each frame in order, until the stream ends. `halves` is null except for
 // tiles.
 export async function readTiles(id, query, signal, handler) {
@@ -93,10 +110,12 @@ export async function readTiles(id, query, signal, handler) {
   const pending = [];
   const finish = async () => {
     const {header, halves} = pending.shift();
-    handler(header, await halves);
+    const read = await halves;
+    if (header.type === 'tiles') takeEach(header, read, handler);
+    else handler(header, read);
   };
   for await (const {header, payload} of frames(response.body)) {
-    const halves = header.type === 'tile' ? inflate(payload) : Promise.resolve(null);
+    const halves = halvesOf(header, payload);
     halves.catch(() => {});
     pending.push({header, halves});
     // A frame that is no tile ends a burst: what came before it is shown now.

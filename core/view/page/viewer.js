@@ -15,8 +15,10 @@ export const kComparisons = ['none', 'slider', 'difference'];
 export class Viewer {
   // listener: job(job), cursor({x, y} or null, isByKeyboard), view(), failed(error), and lost() after the
   // graphics card has forgotten all snapshots.
-  constructor(job, listener) {
+  // `image`: the index of the image in the job.
+  constructor(job, image, listener) {
     this.listener = listener;
+    this.image = image;
     this.display = {
       exposure: job.exposure ?? 0,
       curve: job.tone_curve ?? 'none',
@@ -51,16 +53,28 @@ export class Viewer {
     this.job = job;
     this.programs = createPrograms(this.gl);
     this.targets = [new LinearTarget(this.gl), new LinearTarget(this.gl)];
-    this.source = this.openSource(job, {
-      job: (newest) => this.listener.job(newest),
-      failed: (error) => this.listener.failed(error),
-    });
+    this.openOwnSource();
     const {x0, y0, x1, y1} = this.source.window;
     this.viewport ??= new Viewport(x1 - x0, y1 - y0);
   }
 
-  openSource(job, {job: onJob = () => {}, failed = () => {}} = {}) {
-    return new ImageSource(this.gl, job, {changed: () => this.redraw(), job: onJob, failed});
+  openOwnSource() {
+    this.source = this.openSource(this.job, this.image, {
+      job: (newest) => this.listener.job(newest),
+      failed: (error) => this.listener.failed(error),
+    });
+  }
+
+  openSource(job, image, {job: onJob = () => {}, failed = () => {}} = {}) {
+    return new ImageSource(this.gl, job, image, {changed: () => this.redraw(), job: onJob, failed});
+  }
+
+  // Shows another image of the job, with the same view and display.
+  setImage(image) {
+    this.image = image;
+    this.source.close();
+    this.openOwnSource();
+    this.redraw();
   }
 
   // After the graphics card has lost everything.
@@ -191,16 +205,11 @@ export class Viewer {
     gl.uniform1i(uniforms.is_false_colour, display.isFalseColour ? 1 : 0);
     const image = this.imageRect();
     gl.uniform4f(uniforms.image_rect, image.x0, image.y0, image.x1, image.y1);
-    gl.uniform3fv(uniforms.surround, this.themeColour('--surround'));
-    gl.uniform3fv(uniforms.unsampled, this.themeColour('--unsampled'));
+    const {backgroundColor, color} = getComputedStyle(this.canvas);
+    gl.uniform3fv(uniforms.surround, numbersOf(backgroundColor));
+    gl.uniform3fv(uniforms.unsampled, numbersOf(color));
     gl.uniform1f(uniforms.target_height, this.canvas.height);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
-  }
-
-  // A colour of the style sheet (#rrggbb), from 0 to 1.
-  themeColour(name) {
-    const text = getComputedStyle(this.element).getPropertyValue(name).trim();
-    return [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16) / 255 || 0);
   }
 
   setCursor(cursor, isByKeyboard = false) {
@@ -216,6 +225,11 @@ export class Viewer {
       this.canvas.toBlob(resolve, 'image/png');
     });
   }
+}
+
+// A computed colour, "rgb(16, 16, 16)", from 0 to 1.
+function numbersOf(colour) {
+  return colour.match(/[\d.]+/g).slice(0, 3).map((part) => Number(part) / 255);
 }
 
 export function shift({x0, y0, x1, y1}, window) {

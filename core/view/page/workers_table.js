@@ -90,7 +90,8 @@ class WorkerRow {
     setText(this.texts.leases, String(worker.held_leases));
     setText(this.texts.accepted, count(worker.samples_accepted));
     setText(this.texts.checks, checksOf(worker));
-    setText(this.texts.cache, worker.cache_bytes === undefined ? '–' : bytes(worker.cache_bytes));
+    setText(this.texts.cache, worker.cache ? bytes(worker.cache.used_bytes) : '–');
+    setAttribute(this.texts.cache, 'title', worker.cache && `of at most ${bytes(worker.cache.limit_bytes)}`);
     setText(this.texts.seen, ago(worker.last_seen_at));
     setText(
       this.button,
@@ -164,7 +165,7 @@ export class WorkersTable {
     setText(this.count, workers.length > 0 ? plural(workers.length, 'worker') : '');
     this.table.classList.toggle(
       'has-cache',
-      workers.some((worker) => worker.cache_bytes !== undefined),
+      workers.some((worker) => worker.cache),
     );
     setHidden(this.empty, workers.length > 0);
     if (workers.length > 0) return;

@@ -15,7 +15,7 @@
 namespace tessera::core {
 namespace {
 
-constexpr Vec3 kSide{0, 0, 1};
+constexpr Vec3 kToTheSide{0, 0, 1};
 
 Vec3 in_plane(float degrees) {
   const float angle = degrees / 180 * kPi;
@@ -46,7 +46,7 @@ double integral(const std::vector<Vec3>& directions, F f) {
 TEST(GrooveCos, IsTheCosineWithoutInterpolation) {
   for (const float degrees : {0.0f, 45.0f, 80.0f, 89.9f}) {
     const float cosine = in_plane(degrees).z;
-    EXPECT_EQ(groove_cos(cosine, cosine, kSide), cosine);
+    EXPECT_EQ(groove_cos(cosine, cosine, kToTheSide), cosine);
   }
 }
 
@@ -81,13 +81,13 @@ TEST(BendForReflection, KeepsTheMirrorDirectionAbove) {
   for (float lean = -80; lean <= 80; lean += 7)
     for (float view = -89; view <= 89; view += 3) {
       const Vec3 wo = in_plane(view), seen = clamp_toward_viewer(in_plane(lean), wo);
-      const Vec3 n = ensure_valid_reflection(seen, kSide, wo);
+      const Vec3 n = ensure_valid_reflection(seen, kToTheSide, wo);
       ASSERT_NEAR(length(n), 1, 1e-4);
       EXPECT_GT(dot(n, wo), 0);
-      EXPECT_GT(dot(n * (2 * dot(n, wo)) - wo, kSide), -1e-4f) << lean << ' ' << view;
+      EXPECT_GT(dot(n * (2 * dot(n, wo)) - wo, kToTheSide), -1e-4f) << lean << ' ' << view;
     }
   const Vec3 slight = in_plane(5);
-  EXPECT_EQ(ensure_valid_reflection(slight, kSide, in_plane(30)), slight);
+  EXPECT_EQ(ensure_valid_reflection(slight, kToTheSide, in_plane(30)), slight);
 }
 
 // A triangle with normals that lean far, seen from all around.

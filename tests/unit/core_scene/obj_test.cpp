@@ -272,7 +272,7 @@ TEST(Obj, TellsManyKindsOfWarningsInFewLines) {
 }
 
 TEST(Obj, PassesOverTheTailsOfOldFiles) {
-  for (const std::string tail :
+  for (const std::string& tail :
        {std::string("\0\0\0\0", 4), std::string("\x1a"), std::string("\n\x1a\0", 3)}) {
     EXPECT_EQ(corners_of(read_text(kFourCorners + "f 1 2 3\n" + tail)), "0/-/- 1/-/- 2/-/-");
     EXPECT_TRUE(warnings_of(kFourCorners + "f 1 2 3\n" + tail).empty());

@@ -72,6 +72,56 @@ TEST_F(LoadedScene, LosesNothing) {
   EXPECT_TRUE(Scene::build(*read, 1)->bvh() == Scene::build(fingerprint_scene(), 1)->bvh());
 }
 
+// A scene with keyframes of every kind.
+SceneDescription animated_scene() {
+  SceneDescription scene = fingerprint_scene();
+  scene.objects.push_back({"ball", {SphereDescription{{0, 0, 0}, 1, 0}}, {}});
+  scene.shapes.emplace_back(
+      InstanceDescription{static_cast<std::uint32_t>(scene.objects.size()) - 1, {}, std::nullopt});
+  scene.lights.emplace_back(PointLightDescription{{0, 9, 0}, {1, 1, 1}});
+  Animation& animation = scene.animation;
+  animation.camera.vertical_fov_degrees = {{1, 2}, {40, 41}};
+  animation.lights = {{.light = static_cast<std::uint32_t>(scene.lights.size()) - 1,
+                       .position = {{1, 2}, {{0, 9, 0}, {1, 9, 0}}},
+                       .color = {{1, 3}, {{1, 1, 1}, {2, 2, 2}}}}};
+  animation.instances = {{static_cast<std::uint32_t>(scene.shapes.size()) - 1,
+                          {translation({1, 2, 3}), ScaleMotion{{{1, 2}, {{1, 1, 1}, {2, 2, 2}}}},
+                           TurnMotion{{0, 1, 0}, {{1, 2}, {0, 360}}},
+                           RotationMotion{{{1, 2}, {Quaternion{}, rotation_quaternion({1, 0, 0}, 90)}}},
+                           TranslationMotion{{{1, 2}, {{0, 0, 0}, {5, 0, 0}}}}}}};
+  return scene;
+}
+
+TEST_F(LoadedScene, KeepsKeyframes) {
+  const auto read = passed(animated_scene());
+  ASSERT_TRUE(read) << read.error().message;
+  const std::string first = read_file(path());
+  ASSERT_TRUE(passed(*read));
+  EXPECT_TRUE(read_file(path()) == first);
+  const auto expected = animated_scene();
+  ASSERT_EQ(read->animation.instances.size(), 1u);
+  EXPECT_EQ(transform_at(read->animation.instances[0].steps, 1.5f).point({1, 1, 1}),
+            transform_at(expected.animation.instances[0].steps, 1.5f).point({1, 1, 1}));
+  EXPECT_TRUE(Scene::build(*read, 1)->set_frame(2, 1));
+}
+
+TEST_F(LoadedScene, WithUnsoundKeyframesIsRefused) {
+  const auto error = [this](const auto& change) {
+    SceneDescription scene = animated_scene();
+    change(scene.animation);
+    return error_of(scene);
+  };
+  EXPECT_EQ(error([](Animation& a) { a.camera.vertical_fov_degrees.frames = {2, 1}; }), kDamaged);
+  EXPECT_EQ(error([](Animation& a) { a.lights[0].color.values.pop_back(); }), kDamaged);
+  EXPECT_EQ(
+      error([](Animation& a) { std::get<TurnMotion>(a.instances[0].steps[2]).degrees.values[0] = 1e30f; }),
+      kDamaged);
+  EXPECT_EQ(error([](Animation& a) {
+              std::get<RotationMotion>(a.instances[0].steps[3]).rotations.values[0] = {0, 0, 0, 0};
+            }),
+            kDamaged);
+}
+
 TEST_F(LoadedScene, PassesErrors) {
   const auto read = passed(fail(ErrorCode::kNotFound, "a.obj:1: \xc3\xa4\nand more"));
   ASSERT_FALSE(read);
@@ -122,7 +172,8 @@ TEST_F(LoadedScene, IsRefusedWithAnyPieceMissing) {
 
 // Under checksums that are in order, as a process writes them that was taken over.
 TEST_F(LoadedScene, ThatNoLoaderMakesIsRefused) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinity = std::numeric_limits<float>::infinity(),
+                  kNan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(error_after([](SceneDescription&) {}), "no error");
   const std::function<void(SceneDescription&)> changes[] = {
       [](SceneDescription& s) { s.settings.integrator = static_cast<Integrator>(4); },

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Replaces parameters of a scene file by their paths, before it is read.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/scene/loader/asset_source.hpp"
+
+namespace tessera::core {
+
+struct ParameterOverride {
+  std::string path;   // the field's path in error messages: "camera.position", "lights[0].intensity"
+  std::string value;  // JSON
+};
+
+// "PATH=VALUE". A value that is a word needs no quotes. INVALID_ARGUMENT names the path.
+Result<ParameterOverride> parse_override(std::string_view text);
+
+// The scene file with the values replaced, one after the other; lines keep their numbers. An object that
+// lacks the key gets it, so that an unknown key is found when the scene is read. INVALID_ARGUMENT names the
+// path, and what is not there. A text that is no JSON is returned as it is, for the reader to report.
+Result<std::string> with_overrides(std::string text, std::span<const ParameterOverride> overrides);
+
+// Other files as they are, and the scene file with overrides.
+class OverriddenAssets : public AssetSource {
+ public:
+  OverriddenAssets(AssetSource& inner, std::string scene_path, std::vector<ParameterOverride> overrides)
+      : inner_(inner), scene_path_(std::move(scene_path)), overrides_(std::move(overrides)) {}
+  bool exists(const std::string& path) override { return inner_.exists(path); }
+  std::vector<std::string> find_in_any_case(const std::string& path) override {
+    return inner_.find_in_any_case(path);
+  }
+  Result<std::string> read(const std::string& path) override;
+
+ private:
+  AssetSource& inner_;
+  std::string scene_path_;
+  std::vector<ParameterOverride> overrides_;
+};
+
+}  // namespace tessera::core

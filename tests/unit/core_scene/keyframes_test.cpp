@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keyframes in scene files: what they turn into, and what is said about mistakes.
+#include <gtest/gtest.h>
+
+#include "tests/support/near.hpp"
+#include "tests/unit/core_scene/scene_mistakes.hpp"
+
+namespace tessera::core {
+namespace {
+
+using test::expect_mistakes;
+using test::scene_with;
+using test::with_camera;
+using test::with_shapes;
+
+SceneDescription loaded_scene(const std::string& scene) {
+  auto loaded = test::load(scene);
+  EXPECT_TRUE(loaded.has_value()) << loaded.error().message;
+  return loaded ? std::move(*loaded) : SceneDescription{};
+}
+
+std::string keyframes(const std::string& list) {
+  return "{\"keyframes\": [" + list + "]}";
+}
+
+std::string two_keyframes(const std::string& a, const std::string& b) {
+  return keyframes("{\"frame\": 1, \"value\": " + a + "}, {\"frame\": 5, \"value\": " + b + "}");
+}
+
+std::string lit(const std::string& light) {
+  return scene_with("\"lights\": [" + light + "]", "", "");
+}
+
+TEST(Keyframes, OfTheCameraAreRead) {
+  const SceneDescription scene = loaded_scene(
+      with_camera("\"position\": " + two_keyframes("[0, 0, 5]", "[4, 0, 5]") + ", \"look_at\": [0, 0, 0], " +
+                  "\"vertical_fov_degrees\": " + two_keyframes("40", "20") + ", \"focus_distance\": " +
+                  two_keyframes("1", "2") + ", \"up\": " + two_keyframes("[0, 1, 0]", "[1, 1, 0]") +
+                  ", \"aperture_radius\": " + two_keyframes("0", "1") +
+                  ", \"aperture_rotation_degrees\": " + two_keyframes("0", "90")));
+  EXPECT_EQ(scene.camera.position, (Vec3{0, 0, 5})) << "at frame 0";
+  const CameraDescription at = camera_at(scene.camera, scene.animation.camera, 3);
+  EXPECT_EQ(at.position, (Vec3{2, 0, 5}));
+  EXPECT_EQ(at.look_at, (Vec3{0, 0, 0}));
+  EXPECT_EQ(at.up, (Vec3{0.5f, 1, 0}));
+  EXPECT_EQ(at.vertical_fov_degrees, 30);
+  EXPECT_EQ(at.focus_distance, 1.5f);
+  EXPECT_EQ(at.aperture_radius, 0.5f);
+  EXPECT_EQ(at.aperture_rotation_degrees, 45);
+}
+
+TEST(Keyframes, OfLightsAreRead) {
+  const SceneDescription scene = loaded_scene(scene_with(
+      "\"lights\": [{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}, "
+      "{\"type\": \"spot\", \"position\": [0, 1, 0], \"look_at\": [0, 0, 0], \"intensity\": " +
+          two_keyframes("1", "[3, 1, 1]") + ", \"softness\": " + two_keyframes("0", "1") +
+          "}, {\"type\": \"directional\", \"direction\": " + two_keyframes("[0, -1, 0]", "[1, -1, 0]") +
+          ", \"irradiance\": 2}]",
+      "", ""));
+  ASSERT_EQ(scene.lights.size(), 3u);
+  ASSERT_EQ(scene.animation.lights.size(), 2u);
+  EXPECT_EQ(scene.animation.lights[0].light, 1u);
+  EXPECT_EQ(value_at(scene.animation.lights[0].color, 3, Rgb{}), (Rgb{2, 1, 1}));
+  EXPECT_EQ(value_at(scene.animation.lights[0].softness, 3, 0.0f), 0.5f);
+  EXPECT_EQ(scene.animation.lights[1].light, 2u);
+  EXPECT_EQ(value_at(scene.animation.lights[1].direction, 3, Vec3{}), (Vec3{0.5f, -1, 0}));
+}
+
+// What moves is an object of its own, in its own space.
+TEST(Keyframes, OfATransformMakeTheShapeAnInstance) {
+  const SceneDescription scene = loaded_scene(
+      with_shapes("{\"type\": \"mesh\", \"file\": \"triangle.obj\", \"material\": \"light\", \"transform\": "
+                  "[{\"scale\": 2}, {\"translate\": " +
+                  two_keyframes("[0, 0, 0]", "[0, 4, 0]") + "}]}"));
+  ASSERT_EQ(scene.objects.size(), 1u);
+  EXPECT_EQ(std::get<MeshDescription>(scene.objects[0].shapes[0]).positions[1], (Vec3{1, 0, 0}));
+  ASSERT_EQ(scene.animation.instances.size(), 1u);
+  EXPECT_EQ(scene.animation.instances[0].shape, 0u);
+  EXPECT_TRUE(std::holds_alternative<InstanceDescription>(scene.shapes[0]));
+  expect_near(transform_at(scene.animation.instances[0].steps, 2).point({1, 0, 0}), {2, 1, 0}, 1e-6f);
+}
+
+TEST(Keyframes, OfInstancesAndOfAllStepsAreRead) {
+  const SceneDescription scene = loaded_scene(scene_with(
+      "\"objects\": {\"o\": {\"shapes\": [{\"type\": \"sphere\", \"radius\": 1, \"material\": \"m\"}]}}",
+      "\"m\": {\"type\": \"lambert\"}",
+      "{\"type\": \"instance\", \"object\": \"o\", \"transform\": [{\"scale\": " +
+          two_keyframes("1", "[3, 1, 1]") + "}, {\"rotate\": {\"axis\": [0, 0, 1], \"degrees\": " +
+          two_keyframes("0", "720") + "}}, {\"rotate\": " +
+          two_keyframes("{\"axis\": [0, 0, 1], \"degrees\": 0}", "{\"axis\": [0, 0, 1], \"degrees\": 120}") +
+          "}]}"));
+  EXPECT_EQ(scene.objects.size(), 1u);
+  ASSERT_EQ(scene.animation.instances.size(), 1u);
+  // Half-way: twice as long, a whole turn, and a sixth of one.
+  expect_near(transform_at(scene.animation.instances[0].steps, 3).point({1, 0, 0}), {1, 1.7320508f, 0},
+              1e-5f);
+}
+
+TEST(Keyframes, OfATransformThatIsConstantChangeNothing) {
+  const SceneDescription scene = loaded_scene(with_shapes(
+      "{\"type\": \"sphere\", \"radius\": 1, \"material\": \"light\", \"transform\": [{\"scale\": 2}]}"));
+  EXPECT_TRUE(scene.objects.empty());
+  EXPECT_TRUE(scene.animation.instances.empty());
+  EXPECT_FALSE(is_animated(scene.animation));
+}
+
+TEST(KeyframeMistakes, InTheCamera) {
+  const std::string rest = ", \"look_at\": [0, 0, 0]";
+  expect_mistakes(
+      {
+          {"\"position\": {\"keyframes\": []}" + rest,
+           "camera.position.keyframes: must be a list of at least one keyframe such as {\"frame\": 1, "
+           "\"value\": 0}, got a list of 0"},
+          {"\"position\": {\"keyframes\": 3}" + rest,
+           "camera.position.keyframes: must be a list of at least one keyframe such as {\"frame\": 1, "
+           "\"value\": 0}, got 3"},
+          {"\"position\": " + keyframes("{\"frame\": 1, \"vlaue\": [0, 0, 5]}") + rest,
+           "camera.position.keyframes[0]: unknown key 'vlaue'; did you mean 'value'?\nscene.json:2: "
+           "camera.position.keyframes[0]: a keyframe needs the key 'value'"},
+          {"\"position\": " + keyframes("{\"frame\": 1, \"value\": [0, 5]}") + rest,
+           "camera.position.keyframes[0].value: must be a list of 3 numbers, got a list of 2"},
+          {"\"position\": " + two_keyframes("[0, 0, 5]", "[0, 0, 1e16]") + rest,
+           "camera.position.keyframes[1].value[2]: must be a number between -1e15 and 1e15, got 1e+16"},
+          {"\"position\": " +
+               keyframes("{\"frame\": 4, \"value\": [0, 0, 5]}, {\"frame\": 4, \"value\": [0, 0, 6]}") + rest,
+           "camera.position.keyframes[1].frame: keyframes must be in the order of their frames: 4 follows 4"},
+          {"\"position\": " + keyframes("{\"frame\": 1e7, \"value\": [0, 0, 5]}") + rest,
+           "camera.position.keyframes[0].frame: must be a number between -1000000 and 1000000, got 10000000"},
+          {"\"position\": {\"keyframes\": [{\"frame\": 0, \"value\": [0, 0, 5]}], \"loop\": true}" + rest,
+           "camera.position: unknown key 'loop'; known is 'keyframes'"},
+          {"\"position\": [0, 0, 5], \"vertical_fov_degrees\": " + two_keyframes("40", "180") + rest,
+           "camera.vertical_fov_degrees.keyframes[1].value: must be greater than 0 and less than 180, got "
+           "180"},
+          {"\"position\": [0, 0, 5], \"aperture_blades\": " + two_keyframes("0", "5") + rest,
+           "camera.aperture_blades: must be 0 for a round opening, or a whole number from 3 to 64, got an "
+           "object"},
+      },
+      with_camera, 2);
+}
+
+TEST(KeyframeMistakes, InTransforms) {
+  const auto sphere = [](const std::string& step) {
+    return "{\"type\": \"sphere\", \"radius\": 1, \"material\": \"light\", \"transform\": [" + step + "]}";
+  };
+  expect_mistakes(
+      {
+          {sphere("{\"matrix\": " + two_keyframes("1", "2") + "}"),
+           "shapes[0].transform[0].matrix: a matrix cannot be animated; write it as the steps 'scale', "
+           "'rotate' and 'translate'"},
+          {sphere("{\"scale\": " + two_keyframes("1", "0") + "}"),
+           "shapes[0].transform[0].scale.keyframes[1].value: must be other than 0, got 0"},
+          {sphere("{\"rotate\": " + two_keyframes("90", "{\"axis\": [0, 1, 0], \"degrees\": 1}") + "}"),
+           "shapes[0].transform[0].rotate.keyframes[0].value: must be an object in braces, got 90"},
+          {sphere("{\"rotate\": {\"axis\": " + two_keyframes("[0, 1, 0]", "[1, 0, 0]") +
+                  ", \"degrees\": 3}}"),
+           "shapes[0].transform[0].rotate.axis: must be a list of 3 numbers, got an object"},
+          {sphere("{\"scale\": " + two_keyframes("1", "1e-30") + "}, {\"scale\": 1e-5}"),
+           "shapes[0].transform: at frame 5, the steps together flatten, scale or move the shape too far to "
+           "be "
+           "computed"},
+      },
+      with_shapes, 4);
+}
+
+TEST(KeyframeMistakes, InShapesOfObjects) {
+  const std::string scene = scene_with(
+      "\"objects\": {\"o\": {\"shapes\": [{\"type\": \"sphere\", \"radius\": 1, \"material\": \"light\", "
+      "\"transform\": [{\"translate\": " +
+          two_keyframes("[0, 0, 0]", "[1, 0, 0]") + "}]}]}}",
+      "", "");
+  EXPECT_EQ(
+      test::mistakes_in(scene),
+      "scene.json:2: objects.o.shapes[0].transform: a shape of an object cannot move by itself: animate the "
+      "transforms of its instances");
+}
+
+TEST(KeyframeMistakes, InLights) {
+  EXPECT_EQ(test::mistakes_in(lit("{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": " +
+                                  two_keyframes("1", "-1") + "}")),
+            "scene.json:2: lights[0].intensity.keyframes[1].value: must be 0 or greater, got -1");
+}
+
+}  // namespace
+}  // namespace tessera::core
