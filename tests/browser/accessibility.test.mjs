@@ -2,16 +2,18 @@
 // axe finds nothing on any view, on desktops and phones, dark and light; and nothing is wider than a phone.
 import assert from 'node:assert/strict';
 import {after, before, test} from 'node:test';
-import {Farm} from './farm.mjs';
+import {Farm, glowingSphere} from './farm.mjs';
 import {axe, kDesktop, kPhone, launch, open} from './page.mjs';
 
-let farm, browser, done, failed, running;
+let farm, browser, animation, done, failed, running;
 
 before(async () => {
   farm = await Farm.start({threads: 1});
   browser = await launch();
   done = await farm.submit(['--size', '64x64', '--spp', '4', '--name', 'done']);
   await farm.waitForState(done, 'done');
+  animation = await farm.submitScene(glowingSphere(64, 64), {frames: [1, 2]});
+  await farm.waitForState(animation, 'done');
   running = await farm.submit(['--size', '256x256', '--spp', '100000', '--name', 'running']);
   failed = await farm.submit(['--size', '64x64', '--spp', '4', '--name', 'cancelled']);
   await farm.api(`jobs/${failed}/cancel`, {
@@ -36,6 +38,10 @@ const kViews = {
       await page.getByLabel('Colour the tiles by').selectOption('samples');
       await page.getByLabel('False colour').check();
     },
+  ],
+  animation: [
+    () => `#/jobs/${animation}`,
+    async (page) => page.getByLabel('Image', {exact: true}).waitFor(),
   ],
   finished: [() => `#/jobs/${done}`, async (page) => page.waitForFunction(() => window.tessera)],
   submit: [() => '#/submit', async (page) => page.getByRole('heading', {name: 'Submit a scene'}).waitFor()],

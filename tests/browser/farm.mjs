@@ -10,6 +10,14 @@ const bin = process.env.TESSERA_BIN;
 export const kScenes = join(process.env.TESSERA_SOURCE_DIR, 'scenes');
 export const kCornell = join(kScenes, 'cornell', 'scene.json');
 
+// A scene without files, rendered in no time.
+export const glowingSphere = (width, height) => ({
+  render: {width, height, spp: 4},
+  camera: {position: [0, 0, 4], look_at: [0, 0, 0]},
+  materials: {glow: {type: 'lambert', albedo: 0.5, emission: [2, 1, 0.5]}},
+  shapes: [{type: 'sphere', radius: 1, center: [0, 0, 0], material: 'glow'}],
+});
+
 export const sleep = (ms) =>
   new Promise((resolve) => {
     setTimeout(resolve, ms);
@@ -154,6 +162,15 @@ export class Farm {
     const {code, out, err} = await this.tessera(['submit', kCornell, ...options], extra);
     if (code !== 0) throw new Error(`tessera submit: ${err}`);
     return out.trim();
+  }
+
+  // Submits a scene (an object) over HTTP, with more fields of the request, and returns the job's id.
+  async submitScene(scene, fields = {}) {
+    const text = JSON.stringify(scene);
+    const {sha256, bytes} = await this.api('blobs', {method: 'POST', body: text});
+    const files = [{path: 'scene.json', sha256, bytes}];
+    const body = JSON.stringify({scene_path: 'scene.json', files, ...fields});
+    return (await this.api('jobs', {method: 'POST', body})).id;
   }
 
   async api(path, options = {}) {

@@ -3,7 +3,7 @@
 // PNG file.
 import assert from 'node:assert/strict';
 import {after, before, test} from 'node:test';
-import {Farm, until} from './farm.mjs';
+import {Farm, glowingSphere, until} from './farm.mjs';
 import {nearestHalf, readExr, readPng} from './images.mjs';
 import {launch, openJob, showPixels} from './page.mjs';
 
@@ -23,8 +23,8 @@ after(async () => {
 const readPixels = (page) =>
   page.evaluate(([w, h]) => window.tessera.readPixels(0, 0, w, h), [kWidth, kHeight]);
 
-async function assertHalvesOfExr(page, id) {
-  const exr = readExr(await farm.api(`jobs/${id}/image?format=exr`));
+async function assertHalvesOfExr(page, id, image = 0) {
+  const exr = readExr(await farm.api(`jobs/${id}/image?format=exr&image=${image}`));
   assert.deepEqual([exr.width, exr.height], [kWidth, kHeight]);
   const expected = Array.from(exr.halves);
   // The last tiles may be under way.
@@ -44,6 +44,37 @@ async function assertHalvesOfExr(page, id) {
   );
   return pixels;
 }
+
+test('each image of a job with several', async () => {
+  const id = await farm.submitScene(glowingSphere(kWidth, kHeight), {frames: [10, 12, 7]});
+  await farm.waitForState(id, 'done');
+  const page = await openJob(browser, farm, id);
+  const chooser = page.getByLabel('Image', {exact: true});
+  await until('the list of images', async () => (await chooser.locator('option').count()) === 3);
+  await page.getByRole('option', {name: 'Frame 12', exact: true}).waitFor({state: 'attached'});
+  assert.deepEqual(await chooser.locator('option').allTextContents(), ['Frame 10', 'Frame 12', 'Frame 7']);
+  const asked = page.waitForRequest((request) => /tiles\?.*image=2/.test(request.url()));
+  await chooser.selectOption('2');
+  await asked;
+  assert.match(page.url(), /\?image=2$/);
+  await showPixels(page, kWidth, kHeight);
+  await assertHalvesOfExr(page, id, 2);
+  await page.locator('.viewer').focus();
+  await page.keyboard.press('i');
+  assert.equal(await chooser.inputValue(), '0', 'after the last one comes the first');
+  await page.keyboard.press('i');
+  assert.match(page.url(), /\?image=1$/);
+  await page.reload();
+  await page.waitForFunction(() => window.tessera);
+  assert.equal(await chooser.inputValue(), '1');
+  await showPixels(page, kWidth, kHeight);
+  await assertHalvesOfExr(page, id, 1);
+  await page.getByRole('button', {name: 'Download the image'}).click();
+  const link = page.getByRole('menuitem', {name: 'OpenEXR, linear'});
+  assert.match(await link.getAttribute('href'), /image=1/);
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+});
 
 test('halves are rounded to the nearest', () => {
   assert.deepEqual(

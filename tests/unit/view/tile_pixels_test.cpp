@@ -81,7 +81,7 @@ TEST(EncodedTiles, AreMadeOnceAndDroppedByUse) {
       return core::Result<TileAtRevision>(TileAtRevision{growing.film.tile(tile), revision});
     });
   };
-  const std::size_t size = (*get(0))->pixels_zlib.size();
+  const std::size_t size = (*get(0))->pixels.size();
   ASSERT_TRUE(size > 15'500 && size < 29'000) << "one fits into the budget, and two do not: " << size;
   EXPECT_TRUE(get(0));
   EXPECT_EQ(reads, 1);

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 #include <half.h>
 
-#include <algorithm>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include "tests/unit/view/view_fixture.hpp"
 
@@ -41,10 +41,8 @@ class TileStreamTest : public testing::Test {
     return parse_frames(all);
   }
 
-  static bool is_tile(const Frame& frame) { return frame.header.starts_with(R"({"type":"tile")"); }
-  static std::size_t count_tiles(const std::vector<Frame>& frames) {
-    return static_cast<std::size_t>(std::count_if(frames.begin(), frames.end(), is_tile));
-  }
+  static bool is_tile(const Frame& frame) { return frame.header.starts_with(R"({"type":"tile)"); }
+  static std::size_t count_tiles(const std::vector<Frame>& frames) { return tiles_in(frames).size(); }
 
   GrowingFilm growing_;
   EncodedTiles tiles_{64 << 20};
@@ -59,14 +57,31 @@ TEST_F(TileStreamTest, BeginsWithTheJobAndACoarseImage) {
   State state = State::kMore;
   const std::vector<Frame> frames = read(*stream, &state);
   EXPECT_EQ(state, State::kWait);
-  ASSERT_EQ(frames.size(), 1u + 9 + 9 + 1);
+  ASSERT_EQ(frames.size(), 1u + 1 + 9 + 1) << "coarse tiles share a frame";
   EXPECT_EQ(frames[0].header, R"({"type":"job","job":{"name":"job"}})");
+  EXPECT_EQ(frames[11].header, R"({"type":"revision","revision":9})");
   // The tile in the middle, and all coarse ones before.
-  for (const std::size_t i : {1, 10})
-    EXPECT_THAT(frames[i].header, HasSubstr(R"("x0":71,"y0":75,"x1":135,"y1":139)")) << i;
-  for (std::size_t i = 1; i < 19; ++i)
-    EXPECT_THAT(frames[i].header, HasSubstr(i < 10 ? R"("level":3)" : R"("level":0)"));
-  EXPECT_EQ(frames[19].header, R"({"type":"revision","revision":9})");
+  const std::vector<SentTile> tiles = tiles_in(frames);
+  ASSERT_EQ(tiles.size(), 18u);
+  for (const std::size_t i : {0, 9}) EXPECT_EQ(tiles[i].rect, (core::PixelRect{71, 75, 135, 139})) << i;
+  for (std::size_t i = 0; i < 18; ++i) EXPECT_EQ(tiles[i].level, i < 9 ? 3 : 0);
+}
+
+TEST_F(TileStreamTest, CoarseTilesAreMeansOneAfterAnother) {
+  growing_.add_to_all(0, 3);
+  const auto stream = open({.since = 0, .level = 4});
+  std::vector<SentTile> tiles = tiles_in(read(*stream));
+  ASSERT_EQ(tiles.size(), 18u) << "levels 6 and 4";
+  for (const SentTile& tile : tiles) {
+    const int index = growing_.film.grid().tile_at(tile.rect.x0, tile.rect.y0);
+    EXPECT_EQ(tile.samples, 3u);
+    EXPECT_EQ(tile.revision, static_cast<Revision>(index + 1));
+    const core::Image expected = develop_level(tile.rect, growing_.film.tile(index), tile.level);
+    EXPECT_EQ(tile.pixels, encode_pixels(expected, PixelFormat::kRawHalf).value());
+    const auto decoded = decode_pixels(tile.pixels, expected.width, expected.height, PixelFormat::kRawHalf);
+    ASSERT_TRUE(decoded);
+    EXPECT_EQ(Imath::half(decoded->at(0, 0).g).bits(), Imath::half(expected.at(0, 0).g).bits());
+  }
 }
 
 TEST_F(TileStreamTest, HasTheHalvesOfTheFilm) {
@@ -75,7 +90,7 @@ TEST_F(TileStreamTest, HasTheHalvesOfTheFilm) {
   const auto stream = open({.since = 0, .level = 0, .region = core::PixelRect{150, 130, 151, 131}});
   const std::vector<Frame> frames = read(*stream);
   ASSERT_EQ(count_tiles(frames), 2u);
-  const Frame& tile = frames[2];
+  const Frame& tile = frames[2];  // after the coarse one
   EXPECT_THAT(
       tile.header,
       StartsWith(
@@ -98,7 +113,8 @@ TEST_F(TileStreamTest, SendsChangesAsTheyHappen) {
   now_ += milliseconds(500);
   const std::vector<Frame> frames = read(*stream);
   ASSERT_EQ(frames.size(), 2u);
-  EXPECT_THAT(frames[0].header, HasSubstr(R"("samples":6)"));
+  ASSERT_EQ(count_tiles(frames), 1u);
+  EXPECT_EQ(tiles_in(frames)[0].samples, 6u);
   EXPECT_EQ(frames[1].header, R"({"type":"revision","revision":14})");
   growing_.add(3, 6, 1);
   now_ += milliseconds(60);
@@ -165,20 +181,19 @@ TEST_F(TileStreamTest, WaitsWhileTheFilmIsAway) {
 TEST_F(TileStreamTest, SendsNoOldStatesToASlowReader) {
   growing_.add_to_all(0, 1);
   const auto stream = open({.since = 0, .level = 6});
-  std::vector<Frame> frames;
+  std::vector<SentTile> tiles;
   std::uint32_t next = 1;
   for (int i = 0; i < 9; ++i, ++next) {
     std::string some;
     EXPECT_EQ(stream->read(some, 1), State::kMore);
     growing_.add_to_all(next, 1);
     now_ += milliseconds(60);
-    for (Frame& frame : parse_frames(some))
-      if (is_tile(frame)) frames.push_back(std::move(frame));
+    for (SentTile& tile : tiles_in(parse_frames(some))) tiles.push_back(std::move(tile));
   }
-  std::map<std::string, int> counts;
-  for (const Frame& frame : frames) ++counts[frame.header.substr(0, frame.header.find(R"(,"level")"))];
-  for (const auto& [rect, count] : counts) EXPECT_EQ(count, 1) << rect;
-  EXPECT_THAT(frames.back().header, testing::AnyOf(HasSubstr(R"("samples":8)"), HasSubstr(R"("samples":9)")));
+  std::map<int, int> counts;
+  for (const SentTile& tile : tiles) ++counts[growing_.film.grid().tile_at(tile.rect.x0, tile.rect.y0)];
+  for (const auto& [tile, count] : counts) EXPECT_EQ(count, 1) << tile;
+  EXPECT_GE(tiles.back().samples, 8u);
 }
 
 // However many watch, each revision of a tile is encoded once.

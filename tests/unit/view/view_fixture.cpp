@@ -5,6 +5,9 @@
 #include <libdeflate.h>
 
 #include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "core/view/tile_pixels.hpp"
 
 namespace tessera::view {
 namespace {
@@ -80,6 +83,31 @@ std::vector<Frame> parse_frames(const std::string& bytes) {
     at += 8 + header + payload;
   }
   return frames;
+}
+
+std::vector<SentTile> tiles_in(const std::vector<Frame>& frames) {
+  std::vector<SentTile> tiles;
+  for (const Frame& frame : frames) {
+    const auto header = nlohmann::json::parse(frame.header);
+    if (header["type"] == "tile")
+      tiles.push_back({{header["x0"], header["y0"], header["x1"], header["y1"]},
+                       header["level"],
+                       header["revision"],
+                       header["samples"],
+                       frame.payload});
+    if (header["type"] != "tiles") continue;
+    const int level = header["level"];
+    std::size_t at = 0;
+    for (const auto& tile : header["tiles"]) {
+      const core::PixelRect rect{tile[0], tile[1], tile[2], tile[3]};
+      const auto size =
+          static_cast<std::size_t>(6 * level_size(rect.width(), level) * level_size(rect.height(), level));
+      tiles.push_back({rect, level, tile[4], tile[5], frame.payload.substr(at, size)});
+      at += size;
+    }
+    EXPECT_EQ(at, frame.payload.size());
+  }
+  return tiles;
 }
 
 }  // namespace tessera::view

@@ -34,4 +34,14 @@ struct Frame {
 // Adds a failure if the bytes are no frames.
 std::vector<Frame> parse_frames(const std::string& bytes);
 
+struct SentTile {
+  core::PixelRect rect;
+  int level = 0;
+  Revision revision = 0;
+  std::uint32_t samples = 0;
+  std::string pixels;
+};
+// The tiles of these frames, also of those that share one.
+std::vector<SentTile> tiles_in(const std::vector<Frame>& frames);
+
 }  // namespace tessera::view
