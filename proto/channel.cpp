@@ -5,8 +5,11 @@
 #include <grpcpp/resource_quota.h>
 #include <grpcpp/support/client_interceptor.h>
 
+#include <functional>
 #include <utility>
 #include <vector>
+
+#include "proto/client_credentials.hpp"
 
 namespace tessera::proto {
 namespace {
@@ -40,16 +43,18 @@ class ShowToken final : public interception::Interceptor {
   const std::string value_;
 };
 
+using CurrentToken = std::function<std::string()>;
+
 class ShowTokenInEachCall final : public interception::ClientInterceptorFactoryInterface {
  public:
-  explicit ShowTokenInEachCall(const std::string& token) : value_(kTokenPrefix + token) {}
+  explicit ShowTokenInEachCall(CurrentToken token) : token_(std::move(token)) {}
 
   interception::Interceptor* CreateClientInterceptor(interception::ClientRpcInfo*) override {
-    return new ShowToken(value_);  // gRPC deletes it with the call
+    return new ShowToken(kTokenPrefix + token_());  // gRPC deletes it with the call
   }
 
  private:
-  const std::string value_;
+  const CurrentToken token_;
 };
 
 grpc::ChannelArguments channel_arguments() {
@@ -69,6 +74,16 @@ grpc::ChannelArguments channel_arguments() {
   return arguments;
 }
 
+// Without a token if `token` is empty.
+std::shared_ptr<grpc::Channel> make_channel(const std::string& address,
+                                            const std::shared_ptr<grpc::ChannelCredentials>& credentials,
+                                            CurrentToken token) {
+  std::vector<std::unique_ptr<interception::ClientInterceptorFactoryInterface>> interceptors;
+  if (token) interceptors.push_back(std::make_unique<ShowTokenInEachCall>(std::move(token)));
+  return interception::CreateCustomChannelWithInterceptors(address, credentials, channel_arguments(),
+                                                           std::move(interceptors));
+}
+
 // Calls that announce a compression end with UNIMPLEMENTED before their message is read. Without the
 // decompression filter, no other message is decompressed either.
 void refuse_compression(grpc::ServerBuilder& builder) {
@@ -85,10 +100,15 @@ core::Result<std::shared_ptr<grpc::Channel>> open_channel(const std::string& add
   if (!credentials) return core::fail(credentials.error());
   const auto token = read_token(security.token);
   if (!token) return core::fail(token.error());
-  std::vector<std::unique_ptr<interception::ClientInterceptorFactoryInterface>> interceptors;
-  if (!token->empty()) interceptors.push_back(std::make_unique<ShowTokenInEachCall>(*token));
-  return interception::CreateCustomChannelWithInterceptors(address, *credentials, channel_arguments(),
-                                                           std::move(interceptors));
+  if (token->empty()) return make_channel(address, *credentials, nullptr);
+  return make_channel(address, *credentials, [token = *token] { return token; });
+}
+
+std::shared_ptr<grpc::Channel> open_channel(const std::string& address,
+                                            const std::shared_ptr<const ClientCredentials>& credentials) {
+  if (credentials->token().empty()) return make_channel(address, credentials->channel_credentials(), nullptr);
+  return make_channel(address, credentials->channel_credentials(),
+                      [credentials] { return credentials->token(); });
 }
 
 void apply_server_options(grpc::ServerBuilder& builder, const Patience& patience,

@@ -14,6 +14,8 @@
 
 namespace tessera::proto {
 
+class ClientCredentials;
+
 // The default address of a coordinator.
 inline constexpr const char* kDefaultCoordinator = "127.0.0.1:7420";
 // The environment variable that overrides it.
@@ -27,6 +29,10 @@ inline constexpr int kMaxMessageBytes = 64 << 20;
 // Every call carries the token, if there is one. Errors: those of channel_credentials() and read_token().
 core::Result<std::shared_ptr<grpc::Channel>> open_channel(const std::string& address,
                                                           const ClientSecurity& security = {});
+
+// The same with credentials that can be read again while the channel is used. They must outlive it.
+std::shared_ptr<grpc::Channel> open_channel(const std::string& address,
+                                            const std::shared_ptr<const ClientCredentials>& credentials);
 
 // The timeouts of a coordinator for its connections.
 struct Patience {

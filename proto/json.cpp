@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <google/protobuf/util/time_util.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <map>
 
@@ -154,6 +155,16 @@ Json files_json(const v1::Bundle& bundle) {
   return files;
 }
 
+Json images_json(const v1::Job& job) {
+  Json images = Json::array();
+  for (const v1::Image& image : job.images())
+    images.push_back({{"frame", image.frame()},
+                      {"name", image.name()},
+                      {"samples_total", image.samples_total()},
+                      {"samples_done", image.samples_done()}});
+  return images;
+}
+
 // A map of protobuf has no order.
 Json labels_json(const v1::Job& job) {
   Json labels = Json::object();
@@ -161,6 +172,11 @@ Json labels_json(const v1::Job& job) {
        std::map<std::string, std::string>(job.labels().begin(), job.labels().end()))
     labels[key] = value;
   return labels;
+}
+
+Json cache_json(const v1::Worker& worker) {
+  if (!worker.has_cache()) return nullptr;
+  return {{"used_bytes", worker.cache().used_bytes()}, {"limit_bytes", worker.cache().limit_bytes()}};
 }
 
 Json cooldowns_json(const v1::Worker& worker) {
@@ -215,6 +231,8 @@ Json to_json(const v1::Job& job) {
   add_settings(json, job.settings());
   add_display(json, job.display());
   add_progress(json, job);
+  json["image_count"] = std::max(job.image_count(), 1U);
+  if (!job.images().empty()) json["images"] = images_json(job);
   json["created_at"] = time_json(job.created_at(), job.has_created_at());
   json["finished_at"] = time_json(job.finished_at(), job.has_finished_at());
   json["revision"] = job.revision();
@@ -239,6 +257,7 @@ Json to_json(const v1::Worker& worker) {
           {"held_leases", worker.held_leases()},
           {"samples_per_second", worker.samples_per_second()},
           {"samples_accepted", worker.samples_accepted()},
+          {"cache", cache_json(worker)},
           {"last_seen_at", time_json(worker.last_seen_at(), worker.has_last_seen_at())},
           {"rejected_results", worker.rejected_results()},
           {"audited_ranges", worker.audited_ranges()},

@@ -14,7 +14,7 @@
 
 namespace tessera::proto {
 
-// "scene" and "files" only if the job has its bundle.
+// "scene" and "files" only if the job has its bundle, "images" only if it has their list.
 nlohmann::ordered_json to_json(const v1::Job& job);
 nlohmann::ordered_json to_json(const v1::Worker& worker);
 nlohmann::ordered_json to_json(const v1::QuarantineEntry& entry);

@@ -11,6 +11,7 @@
 
 #include "core/common/pem.hpp"
 #include "core/image/file_io.hpp"
+#include "proto/certificates.hpp"
 
 namespace tessera::proto {
 namespace {
@@ -123,9 +124,9 @@ core::Result<ServerCredentials> server_credentials(const std::string& address,
   }
   if (const auto allowed = allow_unauthenticated(address, security); !allowed)
     return core::fail(allowed.error());
-  auto certificates = ServerCertificates::open(security);
+  auto certificates = Certificates::open({security.certificate, security.key, security.client_ca});
   if (!certificates) return core::fail(certificates.error());
-  return ServerCredentials{(*certificates)->credentials(), *certificates};
+  return ServerCredentials{(*certificates)->server_credentials(), *certificates};
 }
 
 core::Result<std::string> read_token(const std::string& path) {

@@ -11,9 +11,10 @@
 #include <string_view>
 
 #include "core/base/error.hpp"
-#include "proto/server_certificates.hpp"
 
 namespace tessera::proto {
+
+class Certificates;
 
 // The credentials of a worker or a client. Files are PEM; an empty path means that the file is not used.
 struct ClientSecurity {
@@ -43,7 +44,7 @@ core::Result<std::shared_ptr<grpc::ChannelCredentials>> channel_credentials(cons
 struct ServerCredentials {
   std::shared_ptr<grpc::ServerCredentials> credentials;
   // Must outlive the server. Null without TLS.
-  std::shared_ptr<ServerCertificates> certificates{};
+  std::shared_ptr<Certificates> certificates{};
 };
 core::Result<ServerCredentials> server_credentials(const std::string& address,
                                                    const ServerSecurity& security);

@@ -34,7 +34,7 @@ std::string closed_at_once(const std::string& address, const ClientSecurity& sec
 std::string explain(const grpc::Status& status, const std::string& address, const ClientSecurity& security) {
   if (says(status, {"wrong version number"}))
     return fmt::format("the coordinator at {} speaks no TLS: leave out --tls-ca", address);
-  if (says(status, {"not in peer certificate"})) {
+  if (says(status, {"not in peer certificate", "Hostname Verification Check failed"})) {
     return fmt::format(
         "{} answers, but its certificate is for other names: call it by one of those, or make a certificate "
         "for this one as well",

@@ -41,10 +41,29 @@ TEST(Json, AJobHasNamesOfSceneFilesAndNumbers) {
   EXPECT_EQ(json["clamp_indirect"].dump(), "0.1");
   EXPECT_EQ(json["created_at"], "2023-11-14T22:13:20Z");
   EXPECT_EQ(json["seconds_left"], 6.0);
+  EXPECT_EQ(json["image_count"], 1);
+  EXPECT_FALSE(json.contains("images"));
   for (const char* absent : {"crop", "finished_at", "failure", "queue_position", "waiting_reason"})
     EXPECT_TRUE(json.at(absent).is_null()) << absent;
   EXPECT_TRUE(json["labels"].is_object());
   EXPECT_FALSE(json.contains("files")) << "a list has no bundles";
+}
+
+TEST(Json, AJobListsItsImages) {
+  v1::Job job = running_job();
+  job.set_image_count(2);
+  job.add_images()->set_frame(10);
+  v1::Image& second = *job.add_images();
+  second.set_frame(12);
+  second.set_name("<b>");
+  second.set_samples_total(500);
+  second.set_samples_done(100);
+  const auto json = to_json(job);
+  EXPECT_EQ(json["image_count"], 2);
+  EXPECT_EQ(json["images"][0]["frame"], 10);
+  EXPECT_EQ(json["images"][1]["name"], "<b>");
+  EXPECT_EQ(json["images"][1]["samples_total"], 500);
+  EXPECT_EQ(json["images"][1]["samples_done"], 100);
 }
 
 TEST(Json, AJobWithItsBundleNamesItsFiles) {
@@ -88,6 +107,14 @@ TEST(Json, TheStateOfAWorkerIsTheFirstThatApplies) {
   EXPECT_EQ(worker_state(worker), "in cooldown");
   worker.set_silent(true);
   EXPECT_EQ(to_json(worker)["state"], "silent");
+}
+
+TEST(Json, AWorkerTellsHowFullItsCacheIs) {
+  v1::Worker worker;
+  EXPECT_TRUE(to_json(worker).at("cache").is_null());
+  worker.mutable_cache()->set_used_bytes(1000);
+  worker.mutable_cache()->set_limit_bytes(5000);
+  EXPECT_EQ(to_json(worker)["cache"].dump(), R"({"used_bytes":1000,"limit_bytes":5000})");
 }
 
 TEST(Json, AnErrorHasItsDetails) {

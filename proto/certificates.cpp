@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "proto/server_certificates.hpp"
+#include "proto/certificates.hpp"
 
 #include <fmt/format.h>
-#include <grpcpp/security/tls_certificate_provider.h>
 #include <grpcpp/security/tls_credentials_options.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -13,7 +12,6 @@
 #include <utility>
 
 #include "core/common/pem.hpp"
-#include "proto/security.hpp"
 
 namespace tessera::proto {
 namespace {
@@ -47,56 +45,69 @@ core::Status replace(const core::OpenFile& file, std::string_view content) {
 
 }  // namespace
 
-ServerCertificates::ServerCertificates(const ServerSecurity& security, core::OpenFile certificates,
-                                       core::OpenFile key, core::OpenFile client_ca)
-    : certificate_path_(security.certificate),
-      key_path_(security.key),
-      client_ca_path_(security.client_ca),
+Certificates::Certificates(Paths paths, core::OpenFile certificates, core::OpenFile key, core::OpenFile ca)
+    : paths_(std::move(paths)),
       certificates_(std::move(certificates)),
       key_(std::move(key)),
-      client_ca_(std::move(client_ca)) {}
+      ca_(std::move(ca)) {}
 
-core::Result<std::shared_ptr<ServerCertificates>> ServerCertificates::open(const ServerSecurity& security) {
-  core::OpenFile certificates = memory_file("certificates"), key = memory_file("key"),
-                 client_ca = memory_file("client-ca");
-  if (!certificates.valid() || !key.valid() || !client_ca.valid())
+core::Result<std::shared_ptr<Certificates>> Certificates::open(Paths paths) {
+  core::OpenFile certificates = memory_file("certificates"), key = memory_file("key"), ca = memory_file("ca");
+  if (!certificates.valid() || !key.valid() || !ca.valid())
     return core::fail(system_error("creating a file in memory"));
-  std::shared_ptr<ServerCertificates> opened(
-      new ServerCertificates(security, std::move(certificates), std::move(key), std::move(client_ca)));
+  std::shared_ptr<Certificates> opened(
+      new Certificates(std::move(paths), std::move(certificates), std::move(key), std::move(ca)));
   if (auto loaded = opened->reload(); !loaded) return core::fail(loaded.error());
   return opened;
 }
 
-std::shared_ptr<grpc::ServerCredentials> ServerCertificates::credentials() const {
-  namespace tls = grpc::experimental;
-  const bool asks = !client_ca_path_.empty();
-  tls::TlsServerCredentialsOptions options(std::make_shared<tls::FileWatcherCertificateProvider>(
-      path_of(key_), path_of(certificates_), asks ? path_of(client_ca_) : "", kWatchSeconds));
+std::shared_ptr<grpc::experimental::CertificateProviderInterface> Certificates::provider() const {
+  const bool has_own = !paths_.certificate.empty();
+  return std::make_shared<grpc::experimental::FileWatcherCertificateProvider>(
+      has_own ? path_of(key_) : "", has_own ? path_of(certificates_) : "",
+      paths_.ca.empty() ? "" : path_of(ca_), kWatchSeconds);
+}
+
+std::shared_ptr<grpc::ServerCredentials> Certificates::server_credentials() const {
+  const bool asks = !paths_.ca.empty();
+  grpc::experimental::TlsServerCredentialsOptions options(provider());
   options.watch_identity_key_cert_pairs();
   if (asks) options.watch_root_certs();
   options.set_cert_request_type(asks ? GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY
                                      : GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE);
-  return tls::TlsServerCredentials(options);
+  return grpc::experimental::TlsServerCredentials(options);
 }
 
-core::Result<ServerCertificates::Contents> ServerCertificates::read() const {
-  auto mine = common::read_certificate_and_key(certificate_path_, key_path_);
-  if (!mine) return core::fail(mine.error());
-  Contents contents{std::move(mine->certificates), std::move(mine->key), {}};
-  if (client_ca_path_.empty()) return contents;
-  auto ca = common::read_certificates(client_ca_path_);
+std::shared_ptr<grpc::ChannelCredentials> Certificates::channel_credentials() const {
+  grpc::experimental::TlsChannelCredentialsOptions options;
+  options.set_certificate_provider(provider());
+  options.watch_root_certs();
+  if (!paths_.certificate.empty()) options.watch_identity_key_cert_pairs();
+  return grpc::experimental::TlsCredentials(options);
+}
+
+core::Result<Certificates::Contents> Certificates::read() const {
+  Contents contents;
+  if (!paths_.certificate.empty()) {
+    auto mine = common::read_certificate_and_key(paths_.certificate, paths_.key);
+    if (!mine) return core::fail(mine.error());
+    contents.certificates = std::move(mine->certificates);
+    contents.key = std::move(mine->key);
+  }
+  if (paths_.ca.empty()) return contents;
+  auto ca = common::read_certificates(paths_.ca);
   if (!ca) return core::fail(ca.error());
-  contents.client_ca = *std::move(ca);
+  contents.ca = *std::move(ca);
   return contents;
 }
 
-core::Status ServerCertificates::reload() {
+core::Status Certificates::reload() {
   const core::MutexLock one_at_a_time(reloading_);
   const auto contents = read();
   if (!contents) return core::fail(contents.error());
   if (auto replaced = replace(key_, contents->key); !replaced) return replaced;
   if (auto replaced = replace(certificates_, contents->certificates); !replaced) return replaced;
-  return replace(client_ca_, contents->client_ca);
+  return replace(ca_, contents->ca);
 }
 
 }  // namespace tessera::proto
