@@ -21,19 +21,9 @@ bool overlaps(const WorkItem& a, const WorkItem& b) {
 
 }  // namespace
 
-Producer Scheduler::producer_of(const WorkerId& worker) const {
-  const Worker* const known = registry_.find(worker);
-  return known != nullptr ? known->producer() : Producer{{}, worker};
-}
-
-bool Scheduler::can_audit(const Job& job, const Worker& worker) const {
-  if (job.to_verify() == 0 || producers_.is_distrusted(worker.producer())) return false;
-  return job.audits().offer(worker.producer(), producers_, [](const WorkItem&) { return false; });
-}
-
-Portion Scheduler::audit_copy(const Job& job, const Worker& worker) const {
-  if (job.auditing() == 0 || producers_.is_distrusted(worker.producer())) return {};
-  return job.next_audit_copy(worker.producer(), producers_);
+Producer Scheduler::producer_of(const SubmitResult& result) const {
+  const Worker* const known = registry_.find(result.worker);
+  return known != nullptr ? known->producer() : Producer{{}, result.worker, {}, result.principal};
 }
 
 std::optional<Ruling> Scheduler::take_audit(Job& job, const SubmitResult& event, std::size_t i) {
@@ -118,14 +108,6 @@ void Scheduler::restore_producers(Job& job, const std::vector<ProducedItem>& pro
     known[item.tile].add(item.samples);
     job.note_producer(item, producers_.number(each.producer), each.fingerprint, each.due);
   }
-}
-
-std::vector<ProducedItem> Scheduler::provenance(const JobId& id, int tile) const {
-  std::vector<ProducedItem> items;
-  for (const LedgerEntry& entry : find(id)->audits().ledger().of_tile(tile)) {
-    items.push_back({{tile, entry.samples}, producers_.at(entry.producer), entry.fingerprint(), entry.due()});
-  }
-  return items;
 }
 
 }  // namespace tessera::scheduler

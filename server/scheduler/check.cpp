@@ -5,26 +5,26 @@
 #include <algorithm>
 #include <limits>
 
-#include "server/scheduler/scheduler.hpp"
+#include "server/scheduler/check.hpp"
 
 namespace tessera::scheduler {
 
-std::optional<std::string> Scheduler::check_invariants(CheckDepth depth) const {
+std::optional<std::string> Invariants::check(CheckDepth depth) const {
   CheckCursor cursor;
   if (const auto wrong = check_some(cursor, std::numeric_limits<std::size_t>::max())) return wrong;
   if (const auto wrong = check_sums()) return wrong;
   if (depth == CheckDepth::kCounters) return std::nullopt;
-  for (const auto& [number, job] : jobs_) {
+  for (const auto& [number, job] : farm_.jobs_) {
     if (const auto wrong = job.check_samples()) return fmt::format("job {}: {}", job.id().value, *wrong);
   }
-  for (const auto& [id, worker] : registry_.all()) {
+  for (const auto& [id, worker] : farm_.registry_.all()) {
     if (const auto wrong = check_every_job(worker)) return wrong;
     if (const auto wrong = check_choice(worker)) return wrong;
   }
   return std::nullopt;
 }
 
-std::optional<std::string> Scheduler::check_some(CheckCursor& cursor, std::size_t most) const {
+std::optional<std::string> Invariants::check_some(CheckCursor& cursor, std::size_t most) const {
   while (most > 0) {
     if (const auto wrong = check_next(cursor, most)) return wrong;
   }
@@ -32,11 +32,11 @@ std::optional<std::string> Scheduler::check_some(CheckCursor& cursor, std::size_
 }
 
 // Checks a job, leases of a job, or workers; lowers `left` by their number, and to 0 at the end of a round.
-std::optional<std::string> Scheduler::check_next(CheckCursor& cursor, std::size_t& left) const {
+std::optional<std::string> Invariants::check_next(CheckCursor& cursor, std::size_t& left) const {
   using enum CheckCursor::Of;
   if (cursor.of == kWorkers) return check_workers(cursor, left);
-  const auto job = jobs_.lower_bound(cursor.job);
-  if (job == jobs_.end()) {
+  const auto job = farm_.jobs_.lower_bound(cursor.job);
+  if (job == farm_.jobs_.end()) {
     cursor.of = kWorkers;
     return std::nullopt;
   }
@@ -48,8 +48,8 @@ std::optional<std::string> Scheduler::check_next(CheckCursor& cursor, std::size_
   return check_job(job->second);
 }
 
-std::optional<std::string> Scheduler::check_leases(const Job& job, CheckCursor& cursor,
-                                                   std::size_t& left) const {
+std::optional<std::string> Invariants::check_leases(const Job& job, CheckCursor& cursor,
+                                                    std::size_t& left) const {
   using enum CheckCursor::Of;
   const auto& leases = (cursor.of == kLeases ? job.leases() : job.audit_leases()).all();
   for (auto next = leases.upper_bound(cursor.lease); next != leases.end(); ++next) {
@@ -64,8 +64,9 @@ std::optional<std::string> Scheduler::check_leases(const Job& job, CheckCursor& 
   return std::nullopt;
 }
 
-std::optional<std::string> Scheduler::check_workers(CheckCursor& cursor, std::size_t& left) const {
-  for (auto next = registry_.all().lower_bound(cursor.worker); next != registry_.all().end(); ++next) {
+std::optional<std::string> Invariants::check_workers(CheckCursor& cursor, std::size_t& left) const {
+  for (auto next = farm_.registry_.all().lower_bound(cursor.worker); next != farm_.registry_.all().end();
+       ++next) {
     if (left == 0) return std::nullopt;
     --left;
     cursor.worker.value = next->first.value + '\0';  // the next possible id
@@ -78,41 +79,42 @@ std::optional<std::string> Scheduler::check_workers(CheckCursor& cursor, std::si
   return std::nullopt;
 }
 
-std::optional<std::string> Scheduler::check_job(const Job& job) const {
+std::optional<std::string> Invariants::check_job(const Job& job) const {
   const auto wrong = [&](const std::string& what) {
     return std::optional(fmt::format("job {}: {}", job.id().value, what));
   };
   if (const auto broken = job.check()) return wrong(*broken);
-  const bool reviewed = !reviews_.contains(job.number());
+  const bool reviewed = !farm_.reviews_.contains(job.number());
   if (job.state() == JobState::kDone && reviewed && job.to_verify() > 0)
     return wrong(fmt::format("done, but has {} samples to verify", job.to_verify()));
-  if (job.state() == JobState::kRunning && settled(job)) return wrong("lacks nothing, but is not done");
-  const auto run = runs_.find(job.run());
-  if (run == runs_.end() || run->second != job.number()) return wrong("its run is not listed");
-  if (work_.entry_of(job.number()) != WorkIndex::entry_for(job, producers_))
+  if (job.state() == JobState::kRunning && farm_.settled(job)) return wrong("lacks nothing, but is not done");
+  const auto run = farm_.runs_.find(job.run());
+  if (run == farm_.runs_.end() || run->second != job.number()) return wrong("its run is not listed");
+  if (farm_.work_.entry_of(job.number()) != WorkIndex::entry_for(job, farm_.producers_))
     return wrong(fmt::format("{}, and its work is listed otherwise", job_state_name(job.state())));
-  if (!job_totals_.counts(job.number(), JobTotals::share_of(job))) return wrong("is not counted as it is");
-  if (audit_waits_.contains(job.number()) != lacks_only_lots(job))
+  if (!farm_.job_totals_.counts(job.number(), JobTotals::share_of(job)))
+    return wrong("is not counted as it is");
+  if (farm_.audit_waits_.contains(job.number()) != farm_.lacks_only_lots(job))
     return wrong("waits for auditors, and is listed otherwise");
   return std::nullopt;
 }
 
-std::optional<std::string> Scheduler::check_lease(const Job& job, const Lease& lease) const {
+std::optional<std::string> Invariants::check_lease(const Job& job, const Lease& lease) const {
   if (const auto broken = job.check_lease(lease)) return fmt::format("job {}: {}", job.id().value, *broken);
-  const Worker* const holder = registry_.find(lease.holder);
-  if (holder == nullptr || !holder->holds(lease.id) || !live_leases_.contains(lease.id))
+  const Worker* const holder = farm_.registry_.find(lease.holder);
+  if (holder == nullptr || !holder->holds(lease.id) || !farm_.live_leases_.contains(lease.id))
     return fmt::format("job {}: lease {} is not in its holder's entry", job.id().value, lease.id.value);
   return std::nullopt;
 }
 
 // Every lease in a worker's entry is its own, and silent workers have none.
-std::optional<std::string> Scheduler::check_worker(const Worker& worker) const {
+std::optional<std::string> Invariants::check_worker(const Worker& worker) const {
   const std::string& id = worker.info.id.value;
   const bool silent = worker.state() == WorkerState::kSilent;
   if ((silent || worker.stuck) && !worker.leases.empty())
     return fmt::format("worker {} is {}, but holds leases", id, silent ? "silent" : "stuck");
-  const bool has_been_expired = left_.expired_workers > 0;
-  if (!silent && has_been_expired && registry_.deadline(worker) <= now_)
+  const bool has_been_expired = farm_.left_.expired_workers > 0;
+  if (!silent && has_been_expired && farm_.registry_.deadline(worker) <= farm_.now_)
     return fmt::format("worker {} is overdue", id);
   if (worker.leases.size() > static_cast<std::size_t>(kMaxLeasesPerWorker))
     return fmt::format("worker {} holds {} leases", id, worker.leases.size());
@@ -130,91 +132,94 @@ std::optional<std::string> Scheduler::check_worker(const Worker& worker) const {
   return check_idle(worker);
 }
 
-std::optional<std::string> Scheduler::check_held(const Worker& worker, const HeldLease& held) const {
+std::optional<std::string> Invariants::check_held(const Worker& worker, const HeldLease& held) const {
   const std::string& id = worker.info.id.value;
-  if (ended_runs_.contains(held.run)) return std::nullopt;
-  const auto job = jobs_.find(held.number);
-  const Lease* const lease = job == jobs_.end() ? nullptr : job->second.find_lease(held.id);
+  if (farm_.ended_runs_.contains(held.run)) return std::nullopt;
+  const auto job = farm_.jobs_.find(held.number);
+  const Lease* const lease = job == farm_.jobs_.end() ? nullptr : job->second.find_lease(held.id);
   if (lease == nullptr || lease->holder != worker.info.id)
     return fmt::format("worker {} holds lease {}, which is not its own", id, held.id.value);
   if (lease->state == LeaseState::kHeld && !worker.reported.contains(held.id))
     return fmt::format("worker {} does not report lease {}, which is held", id, held.id.value);
   const Effort* const effort = worker.effort(held.run);
-  if (effort == nullptr || effort->in_cooldown(now_))
+  if (effort == nullptr || effort->in_cooldown(farm_.now_))
     return fmt::format("worker {} holds lease {} of a job it is given none of", id, held.id.value);
   return std::nullopt;
 }
 
 // No idle worker waits while there is work for it. The end of a cooldown wakes nobody.
-std::optional<std::string> Scheduler::check_idle(const Worker& worker) const {
+std::optional<std::string> Invariants::check_idle(const Worker& worker) const {
   const bool is_idle = worker.waiting && worker.room() > 0 && worker.leases.empty();
-  if (!is_idle || waiting_.in_wave()) return std::nullopt;
+  if (!is_idle || farm_.waiting_.in_wave()) return std::nullopt;
   const auto takes = [&](JobNumber number) {
-    const Job& job = jobs_.at(number);
-    return may_take(worker, job) && !worker.has_stalled(job.run());
+    const Job& job = farm_.jobs_.at(number);
+    return farm_.may_take(worker, job) && !worker.has_stalled(job.run());
   };
-  const auto audits = [&](JobNumber number) { return takes(number) && can_audit(jobs_.at(number), worker); };
-  std::optional<JobNumber> job = work_.free().first(virtual_time_, kNoIdentity, takes);
-  const IdentityNumber identity = producers_.identity(worker.producer());
-  if (!job && !producers_.is_distrusted(worker.producer()))
-    job = work_.audits().first(virtual_time_, identity, audits);
+  const auto audits = [&](JobNumber number) {
+    return takes(number) && farm_.can_audit(farm_.jobs_.at(number), worker);
+  };
+  std::optional<JobNumber> job = farm_.work_.free().first(farm_.virtual_time_, kNoIdentity, takes);
+  const IdentityNumber identity = farm_.producers_.identity(worker.producer());
+  if (!job && !farm_.producers_.is_distrusted(worker.producer()))
+    job = farm_.work_.audits().first(farm_.virtual_time_, identity, audits);
   if (!job) return std::nullopt;
-  return fmt::format("worker {} waits, but job {} has {}", worker.info.id.value, jobs_.at(*job).id().value,
-                     jobs_.at(*job).free() > 0 ? "free samples" : "samples that it could verify");
+  return fmt::format("worker {} waits, but job {} has {}", worker.info.id.value,
+                     farm_.jobs_.at(*job).id().value,
+                     farm_.jobs_.at(*job).free() > 0 ? "free samples" : "samples that it could verify");
 }
 
-std::optional<std::string> Scheduler::check_sums() const {
+std::optional<std::string> Invariants::check_sums() const {
   std::size_t held_by_workers = 0, held_of_jobs = 0;
   int active = 0;
   Totals counted;
-  for (const auto& [number, job] : jobs_) {
+  for (const auto& [number, job] : farm_.jobs_) {
     held_of_jobs += job.lease_count();
     ++counted.jobs[static_cast<std::size_t>(job.state())];
   }
-  for (const auto& [run, ended] : ended_runs_)
+  for (const auto& [run, ended] : farm_.ended_runs_)
     held_of_jobs += ended.leases.all().size() + ended.audit_leases.all().size();
-  for (const auto& [id, worker] : registry_.all()) {
+  for (const auto& [id, worker] : farm_.registry_.all()) {
     active += worker.takes_leases();
     ++counted.workers[static_cast<std::size_t>(worker.activity())];
     held_by_workers += worker.leases.size();
   }
-  if (held_by_workers != held_of_jobs || live_leases_.size() != held_of_jobs) {
+  if (held_by_workers != held_of_jobs || farm_.live_leases_.size() != held_of_jobs) {
     return fmt::format("jobs have {} leases, workers {}, and {} are live", held_of_jobs, held_by_workers,
-                       live_leases_.size());
+                       farm_.live_leases_.size());
   }
-  if (active != registry_.active_count())
-    return fmt::format("{} workers take leases, counted {}", active, registry_.active_count());
-  const Totals kept = totals(now_);
+  if (active != farm_.registry_.active_count())
+    return fmt::format("{} workers take leases, counted {}", active, farm_.registry_.active_count());
+  const Totals kept = farm_.totals(farm_.now_);
   if (kept.jobs != counted.jobs || kept.workers != counted.workers)
     return "the totals of jobs by state or workers by activity are wrong";
   return std::nullopt;
 }
 
 // Like check_idle(), but looks at every job, and for copies as well.
-std::optional<std::string> Scheduler::check_every_job(const Worker& worker) const {
-  if (!worker.waiting || worker.room() <= 0 || !worker.leases.empty() || waiting_.in_wave())
+std::optional<std::string> Invariants::check_every_job(const Worker& worker) const {
+  if (!worker.waiting || worker.room() <= 0 || !worker.leases.empty() || farm_.waiting_.in_wave())
     return std::nullopt;
   const std::string& id = worker.info.id.value;
-  for (const auto& [number, job] : jobs_) {
-    if (job.state() != JobState::kRunning || !may_take(worker, job) || worker.has_stalled(job.run()))
+  for (const auto& [number, job] : farm_.jobs_) {
+    if (job.state() != JobState::kRunning || !farm_.may_take(worker, job) || worker.has_stalled(job.run()))
       continue;
     if (job.free() > 0)
       return fmt::format("worker {} waits, but job {} has free samples", id, job.id().value);
-    if (can_audit(job, worker))
+    if (farm_.can_audit(job, worker))
       return fmt::format("worker {} waits, but could verify samples of job {}", id, job.id().value);
     // The expiry of a refusal wakes nobody.
     const JobNotes* const notes = worker.notes.find(job.run());
     if (notes != nullptr && notes->refused) continue;
-    if (job.has_copies_to_give() || !audit_copy(job, worker).items.empty())
+    if (job.has_copies_to_give() || !farm_.audit_copy(job, worker).items.empty())
       return fmt::format("worker {} waits, but could be given copies of job {}", id, job.id().value);
   }
   return std::nullopt;
 }
 
 // The indexes choose the job that choose_job() chooses of all.
-std::optional<std::string> Scheduler::check_choice(const Worker& worker) const {
+std::optional<std::string> Invariants::check_choice(const Worker& worker) const {
   for (const bool also_refused : {false, true}) {
-    const auto by_index = chosen(worker, also_refused), of_all = chosen_of_all(worker, also_refused);
+    const auto by_index = farm_.chosen(worker, also_refused), of_all = chosen_of_all(worker, also_refused);
     if (by_index != of_all)
       return fmt::format("worker {} is given leases of job {} (0: none) instead of {}", worker.info.id.value,
                          by_index.value_or(0), of_all.value_or(0));
@@ -222,14 +227,23 @@ std::optional<std::string> Scheduler::check_choice(const Worker& worker) const {
   return std::nullopt;
 }
 
-std::optional<JobNumber> Scheduler::chosen_of_all(const Worker& worker, bool also_refused) const {
+std::optional<JobNumber> Invariants::chosen_of_all(const Worker& worker, bool also_refused) const {
   std::vector<JobNumber> candidates;
-  for (const auto& [number, job] : jobs_) {
-    const bool has_work = job.state() == JobState::kRunning && (job.free() > 0 || can_audit(job, worker));
-    if (has_work && can_be_given(worker, job, also_refused)) candidates.push_back(number);
+  for (const auto& [number, job] : farm_.jobs_) {
+    const bool has_work =
+        job.state() == JobState::kRunning && (job.free() > 0 || farm_.can_audit(job, worker));
+    if (has_work && farm_.can_be_given(worker, job, also_refused)) candidates.push_back(number);
   }
   if (candidates.empty()) return std::nullopt;
-  return candidates[choose_job(snapshots(candidates))];
+  return candidates[choose_job(farm_.snapshots(candidates))];
+}
+
+std::optional<std::string> FarmState::check_invariants(CheckDepth depth) const {
+  return Invariants(*this).check(depth);
+}
+
+std::optional<std::string> FarmState::check_some(CheckCursor& cursor, std::size_t most) const {
+  return Invariants(*this).check_some(cursor, most);
 }
 
 }  // namespace tessera::scheduler

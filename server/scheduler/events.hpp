@@ -63,7 +63,7 @@ struct Rendering {
 struct Synchronize {
   WorkerInfo worker;
   // All leases that it holds, rendered or not. Items that are no tiles of their job are ignored.
-  std::vector<LeaseDescription> held;
+  std::vector<LeaseDescription> held{};
   // The number of leases that it wants to hold in total; at most kMaxLeasesPerWorker are given.
   int wanted_leases = 1;
   // It takes no new leases, and leases that it does not report go to others at once.
@@ -132,6 +132,8 @@ struct SubmitResult {
   // WorkerInfo::determinism_fingerprint of its worker. The first accepted samples of a job determine that of
   // the job.
   std::string determinism_fingerprint{};
+  // The caller's principal if it is individual: that of the samples if the worker is not registered.
+  std::string principal{};
 };
 
 // Samples of the lease have arrived, and cannot be taken at present: the worker keeps them, with what it has

@@ -16,50 +16,6 @@ void Scheduler::top_up(Worker& worker) {
   if (!grant_copy(worker)) grant_free(worker, true);
 }
 
-int Scheduler::sharers(const Job& job) const {
-  const int active = registry_.active_count();
-  const std::uint32_t most = job.policy().max_workers;
-  return most == 0 || most > static_cast<std::uint32_t>(active) ? active : static_cast<int>(most);
-}
-
-std::vector<JobSnapshot> Scheduler::snapshots(const std::vector<JobNumber>& jobs) const {
-  std::vector<JobSnapshot> snapshots;
-  for (const JobNumber number : jobs) {
-    const Job& job = jobs_.at(number);
-    snapshots.push_back(
-        {job.policy().priority, std::max(virtual_time_, job.virtual_finish), job.last_served});
-  }
-  return snapshots;
-}
-
-bool Scheduler::has_refused_lately(const Worker& worker, const Job& job) const {
-  const JobNotes* const known = worker.notes.find(job.run());
-  return known != nullptr && known->refused && now_ < *known->refused + options_.lease_duration;
-}
-
-bool Scheduler::can_be_given(const Worker& worker, const Job& job, bool also_refused) const {
-  return (also_refused || !has_refused_lately(worker, job)) && may_take(worker, job);
-}
-
-// The first of each index, and what only the holders of a lease may take. The indexes must be up to date.
-std::optional<JobNumber> Scheduler::chosen(const Worker& worker, bool also_refused) const {
-  const auto takes = [&](JobNumber job) { return can_be_given(worker, jobs_.at(job), also_refused); };
-  const auto audits = [&](JobNumber job) { return takes(job) && can_audit(jobs_.at(job), worker); };
-  std::set<JobNumber> firsts;
-  if (const auto job = work_.free().first(virtual_time_, kNoIdentity, takes)) firsts.insert(*job);
-  if (!work_.audits().empty() && !producers_.is_distrusted(worker.producer())) {
-    const IdentityNumber identity = producers_.identity(worker.producer());
-    if (const auto job = work_.audits().first(virtual_time_, identity, audits)) firsts.insert(*job);
-  }
-  for (const HeldLease& held : worker.leases) {
-    if (!work_.is_limited(held.number) || !takes(held.number)) continue;
-    if (jobs_.at(held.number).free() > 0 || audits(held.number)) firsts.insert(held.number);
-  }
-  if (firsts.empty()) return std::nullopt;
-  const std::vector<JobNumber> candidates(firsts.begin(), firsts.end());
-  return candidates[choose_job(snapshots(candidates))];
-}
-
 Job* Scheduler::choose(const Worker& worker, bool also_refused) {
   refresh_indexes();
   const std::optional<JobNumber> number = chosen(worker, also_refused);

@@ -247,8 +247,7 @@ bool Job::accept(const WorkItem& item, std::vector<Lease>& ended) {
 }
 
 void Job::extend(std::uint32_t spp, const std::vector<TileTarget>& tiles) {
-  shape_.raise(spp, tiles);
-  total_ = shape_.pixel_samples();
+  total_ += shape_.raise(spp, tiles);
   work_.extend(shape_);
 }
 

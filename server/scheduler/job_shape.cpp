@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 namespace tessera::scheduler {
 namespace {
@@ -14,13 +16,45 @@ std::int64_t excess(const JobShape& shape, TileTargets::ByTile::const_iterator f
   const JobGrid grid = shape.grid();
   std::int64_t samples = 0;
   for (; first != last; ++first) {
-    const std::int64_t more = std::int64_t{first->second} - std::int64_t{shape.spp};
-    samples += more * static_cast<std::int64_t>(grid.rect(first->first).pixel_count());
+    const std::int64_t more = std::int64_t{first->spp} - std::int64_t{shape.spp};
+    samples += more * static_cast<std::int64_t>(grid.rect(first->tile).pixel_count());
   }
   return samples;
 }
 
+// Of each tile in a list in order, only the highest target.
+void keep_highest(TileTargets::ByTile& targets) {
+  const auto of_one_tile = [](const TileTarget& a, const TileTarget& b) { return a.tile == b.tile; };
+  targets.erase(targets.begin(), std::unique(targets.rbegin(), targets.rend(), of_one_tile).base());
+}
+
+TileTargets::ByTile highest_of(const TileTargets::ByTile& a, const TileTargets::ByTile& b) {
+  TileTargets::ByTile both;
+  both.reserve(a.size() + b.size());
+  std::merge(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+  keep_highest(both);
+  return both;
+}
+
+// Where the targets of this tile and later ones begin.
+TileTargets::ByTile::const_iterator from_tile(const TileTargets::ByTile& targets, int tile) {
+  return std::lower_bound(targets.begin(), targets.end(), tile,
+                          [](const TileTarget& each, int wanted) { return each.tile < wanted; });
+}
+
 }  // namespace
+
+TileTargets::TileTargets(ByTile targets) {
+  if (targets.empty()) return;
+  if (!std::is_sorted(targets.begin(), targets.end())) std::sort(targets.begin(), targets.end());
+  keep_highest(targets);
+  targets_ = std::make_shared<const ByTile>(std::move(targets));
+}
+
+const TileTarget* TileTargets::find(int tile) const {
+  const auto found = from_tile(all(), tile);
+  return found == all().end() || found->tile != tile ? nullptr : &*found;
+}
 
 std::uint64_t JobShape::pixel_samples() const {
   const std::uint64_t images_pixels = window.pixel_count() * static_cast<std::uint64_t>(images);
@@ -32,28 +66,34 @@ std::uint64_t JobShape::pixel_samples_of(int image) const {
   const auto& all = targets.all();
   if (all.empty()) return window.pixel_count() * std::uint64_t{spp};
   const JobGrid tiles = grid();
-  const auto first = all.lower_bound(tiles.first_tile(image));
-  const auto last = all.lower_bound(tiles.first_tile(image + 1));
+  const auto first = from_tile(all, tiles.first_tile(image));
+  const auto last = from_tile(all, tiles.first_tile(image + 1));
   return window.pixel_count() * std::uint64_t{spp} + static_cast<std::uint64_t>(excess(*this, first, last));
 }
 
 bool JobShape::is_raised_by(std::uint32_t to_spp, const std::vector<TileTarget>& tiles) const {
   const auto& all = targets.all();
   return to_spp > spp ||
-         std::any_of(all.begin(), all.end(), [&](const auto& each) { return each.second < to_spp; }) ||
+         std::any_of(all.begin(), all.end(), [&](const TileTarget& each) { return each.spp < to_spp; }) ||
          std::any_of(tiles.begin(), tiles.end(),
                      [&](const TileTarget& each) { return each.spp > target(each.tile); });
 }
 
-void JobShape::raise(std::uint32_t to_spp, const std::vector<TileTarget>& tiles) {
-  TileTargets::ByTile raised = targets.all();
-  for (const TileTarget& each : tiles) {
-    std::uint32_t& target = raised.try_emplace(each.tile, spp).first->second;
-    target = std::max(target, each.spp);
-  }
+std::uint64_t JobShape::raise(std::uint32_t to_spp, const std::vector<TileTarget>& tiles) {
+  const JobShape before = *this;
+  TileTargets::ByTile asked;
+  for (const TileTarget& each : tiles)
+    if (each.spp > target(each.tile)) asked.push_back(each);
+  const TileTargets higher(std::move(asked));
+  TileTargets::ByTile raised = highest_of(targets.all(), higher.all());
   spp = std::max(spp, to_spp);
-  std::erase_if(raised, [&](const auto& each) { return each.second == spp || each.second < to_spp; });
+  std::erase_if(raised, [&](const TileTarget& each) { return each.spp == spp || each.spp < to_spp; });
   targets = TileTargets(std::move(raised));
+  if (to_spp > 0) return pixel_samples() - before.pixel_samples();
+  std::uint64_t added = 0;
+  for (const TileTarget& each : higher.all())
+    added += grid().rect(each.tile).pixel_count() * std::uint64_t{each.spp - before.target(each.tile)};
+  return added;
 }
 
 core::Status check_shape(const JobShape& shape) {

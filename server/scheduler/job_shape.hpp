@@ -3,11 +3,10 @@
 // share what is large.
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "core/base/error.hpp"
@@ -20,7 +19,7 @@ inline constexpr int kNoTile = -1;
 
 // No job has more tiles.
 inline constexpr int kMaxTilesPerJob = 1 << 28;
-// No job has more tiles with targets of their own: to change them takes time linear in their number.
+// No job has more tiles with targets of their own: to change one copies them all, eight bytes each.
 inline constexpr std::size_t kMaxTileTargets = 4096;
 
 // The tiles of all images of a job, which are of one size. They are numbered in one sequence: image by image,
@@ -60,24 +59,28 @@ class JobGrid {
 struct TileTarget {
   int tile = 0;
   std::uint32_t spp = 0;
-  bool operator==(const TileTarget&) const = default;
+  auto operator<=>(const TileTarget&) const = default;
 };
 
 // The tiles of a job that are to get another number of samples than the others. Usually there are none.
 class TileTargets {
  public:
-  using ByTile = std::map<int, std::uint32_t>;
+  using ByTile = std::vector<TileTarget>;
 
   TileTargets() = default;
-  explicit TileTargets(ByTile targets) {
-    if (!targets.empty()) targets_ = std::make_shared<const ByTile>(std::move(targets));
-  }
+  // In any order. Of several targets of one tile the highest counts.
+  explicit TileTargets(ByTile targets);
 
+  // By tile, each once.
   const ByTile& all() const {
     static const ByTile kNone;
     return targets_ ? *targets_ : kNone;
   }
-  bool operator==(const TileTargets& other) const { return all() == other.all(); }
+  // Null if the tile has no target of its own.
+  const TileTarget* find(int tile) const;
+  bool operator==(const TileTargets& other) const {
+    return targets_ == other.targets_ || all() == other.all();
+  }
 
  private:
   std::shared_ptr<const ByTile> targets_;  // null if there are none
@@ -100,15 +103,16 @@ struct JobShape {
 
   JobGrid grid() const { return {core::TileGrid(window, core::kTilePx), images}; }
   std::uint32_t target(int tile) const {
-    const auto found = targets.all().find(tile);
-    return found == targets.all().end() ? spp : found->second;
+    const TileTarget* const own = targets.find(tile);
+    return own == nullptr ? spp : own->spp;
   }
   // The pixel samples of all tiles together, and of those of each image, in time linear in the exceptions.
   std::uint64_t pixel_samples() const;
   std::uint64_t pixel_samples_of(int image) const;
   // Raises the targets of all tiles to this number at least (0: leaves them), and those of single tiles
-  // further. Lowers none.
-  void raise(std::uint32_t to_spp, const std::vector<TileTarget>& tiles = {});
+  // further. Lowers none. Returns the pixel samples that are added. With single tiles alone, the time depends
+  // on their number, but for a copy of the list of targets.
+  std::uint64_t raise(std::uint32_t to_spp, const std::vector<TileTarget>& tiles = {});
   // Whether that would change anything.
   bool is_raised_by(std::uint32_t to_spp, const std::vector<TileTarget>& tiles) const;
   bool operator==(const JobShape&) const = default;

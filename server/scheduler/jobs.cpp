@@ -205,11 +205,6 @@ Job& Scheduler::at(JobNumber number) {
   return jobs_.at(number);
 }
 
-const Job* Scheduler::find(const JobId& id) const {
-  const auto found = job_numbers_.find(id);
-  return found == job_numbers_.end() ? nullptr : &jobs_.at(found->second);
-}
-
 Job* Scheduler::find_or_refuse(const JobId& id, Actions& actions) {
   Job* const job = find(id);
   if (job == nullptr) {

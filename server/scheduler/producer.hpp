@@ -58,52 +58,21 @@ inline constexpr IdentityNumber kNoIdentity = 0;
 
 class Producers {
  public:
-  ProducerNumber number(const Producer& producer) {
-    const auto [known, is_new] =
-        numbers_.try_emplace(producer, static_cast<ProducerNumber>(producers_.size()));
-    if (!is_new) return known->second;
-    producers_.push_back(producer);
-    const auto next = static_cast<IdentityNumber>(identities_.size() + 1);
-    identity_of_.push_back(identities_.try_emplace(identity_of(producer), next).first->second);
-    return known->second;
-  }
+  ProducerNumber number(const Producer& producer);
   const Producer& at(ProducerNumber number) const { return producers_[number]; }
   // Records a worker's name. The worker may have delivered results before it was known.
-  void introduce(const Producer& producer) {
-    const auto nameless = numbers_.find({{}, producer.worker});
-    if (producer.name.empty() || nameless == numbers_.end() || numbers_.contains(producer)) return;
-    const ProducerNumber number = nameless->second;
-    numbers_.erase(nameless);
-    numbers_.emplace(producer, number);
-    producers_[number] = producer;
-  }
+  void introduce(const Producer& producer);
 
   // The identity of a producer with a number, at the time when it got that.
   IdentityNumber identity(ProducerNumber number) const { return identity_of_[number]; }
-  IdentityNumber identity(const Producer& producer) const {
-    const auto known = identities_.find(identity_of(producer));
-    return known == identities_.end() ? kNoIdentity : known->second;
-  }
+  IdentityNumber identity(const Producer& producer) const;
 
   // Distrusts every worker of its machine and of its principal as well, but not those with its name, which
   // anybody can take.
-  void distrust(const Producer& producer) {
-    ++times_changed_;
-    distrusted_workers_.insert(producer.worker);
-    if (!producer.machine.empty()) distrusted_machines_.insert(producer.machine);
-    if (!producer.principal.empty()) distrusted_principals_.insert(producer.principal);
-  }
+  void distrust(const Producer& producer);
   // Trusts the worker, its machine and its principal again.
-  void trust(const Producer& producer) {
-    ++times_changed_;
-    distrusted_workers_.erase(producer.worker);
-    distrusted_machines_.erase(producer.machine);
-    distrusted_principals_.erase(producer.principal);
-  }
-  bool is_distrusted(const Producer& producer) const {
-    return distrusted_workers_.contains(producer.worker) || distrusted_machines_.contains(producer.machine) ||
-           distrusted_principals_.contains(producer.principal);
-  }
+  void trust(const Producer& producer);
+  bool is_distrusted(const Producer& producer) const;
   // How often distrust() or trust() was called.
   std::uint64_t times_changed() const { return times_changed_; }
 

@@ -34,7 +34,7 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
 
   withdraw_strikes_if_lost(event.worker);
   measure(*job, event);
-  const Producer producer = producer_of(event.worker);
+  const Producer producer = producer_of(event);
   std::vector<Lease> ended;
   std::vector<Ruling> rulings;
   std::uint64_t accepted_samples = 0, audited_samples = 0;
@@ -178,6 +178,20 @@ void Scheduler::measure(Job& job, const SubmitResult& event) {
   measure_speed(notes(*worker, job), samples, event.render_seconds);
   learn_cost(job.cost, worker->pace, worker->info.threads,
              event.render_seconds / static_cast<double>(samples));
+}
+
+// A worker that cannot build the scene.
+void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actions) {
+  Worker& worker = *registry_.find(event.worker);
+  std::optional<Time>& refused = notes(worker, job).refused;
+  if (refused) worker.refusals.erase({*refused, job.run()});
+  refused = now_;
+  worker.refusals.insert({now_, job.run()});
+  waiting_.update(worker);
+  job.note_refuser(event.worker);
+  const auto failure = job.decline_reason({event.worker, worker.info.name, worker.info.origin},
+                                          event.decline_reason, are_all_names(job), are_all_principals(job));
+  if (failure) fail(job, *failure, actions);
 }
 
 }  // namespace tessera::scheduler

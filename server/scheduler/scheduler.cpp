@@ -26,12 +26,6 @@ const WorkerId* sender_of(const Event& event) {
 
 }  // namespace
 
-Scheduler::Scheduler(const Options& options)
-    : options_(options),
-      last_lease_id_{static_cast<std::uint64_t>(options.epoch) << kLeaseCounterBits},
-      registry_(options.lease_duration, options.forget_after),
-      audit_waits_(options.audit_patience) {}
-
 Actions Scheduler::handle(const Event& event, Time now) {
   now_ = std::max(now_, now);
   begin_event();
@@ -190,16 +184,6 @@ Reply Scheduler::reply_with_answer(Worker& worker, const SubmitResult& result) {
   for (const LeaseDescription& lease : reply.leases) worker.reported.insert(lease.id);
   let_wait(worker);
   return reply;
-}
-
-std::optional<Time> Scheduler::next_deadline() const {
-  std::optional<Time> next = registry_.next_alarm();
-  const auto at_latest = [&](Time time) { next = std::min(next.value_or(time), time); };
-  if (const std::optional<Time> deadline = audit_waits_.next_deadline()) at_latest(*deadline);
-  const bool has_backlog = waiting_.in_wave() || !ended_runs_.empty() || !reviews_.empty() ||
-                           audit_waits_.next_outdated(workers_version());
-  if (has_backlog) at_latest(now_);
-  return next;
 }
 
 }  // namespace tessera::scheduler

@@ -62,17 +62,6 @@ std::set<JobId> Scheduler::stalled_jobs(const Worker& worker) const {
   return stalled;
 }
 
-double Scheduler::expected_seconds(const Worker& worker) const {
-  double seconds = 0;
-  for (const HeldLease& held : worker.leases) {
-    const Job& job = jobs_.at(held.number);
-    const double speed = expected_speed(options_.sizing, worker.snapshot(held.run));
-    for (const WorkItem& item : job.find_lease(held.id)->items)
-      seconds += static_cast<double>(job.pixel_samples(item)) / speed;
-  }
-  return seconds;
-}
-
 std::optional<Stuck> Scheduler::what_keeps(const Worker& worker, const std::set<JobId>& stalled) const {
   if (!worker.rendering) return std::nullopt;
   Stuck stuck{.rendering = *worker.rendering, .since = worker.rendering_since};
@@ -134,22 +123,6 @@ Duration Scheduler::begin_cooldown(Worker& worker, Job& job, Duration without_pr
   ++known.faults;
   known.cooldown_until = now_ + length;
   return length;
-}
-
-bool Scheduler::awaits_files(const Worker& worker, const Job& job) {
-  return worker.has_stalled(job.run()) && worker.fetching.contains(job.id());
-}
-
-bool Scheduler::can_render(const Worker& worker, const Job& job) {
-  const bool knows_images = worker.info.names_images || job.shape().images == 1;
-  return knows_images && worker.fits(job.determinism_fingerprint());
-}
-
-bool Scheduler::may_take(const Worker& worker, const Job& job) const {
-  if (!job.may_be_leased_to(worker.info.id) || !can_render(worker, job)) return false;
-  const Effort* const known = worker.effort(job.run());
-  const bool in_cooldown = known != nullptr && known->in_cooldown(now_);
-  return !in_cooldown && !awaits_files(worker, job);
 }
 
 void Scheduler::look_after_stuck(Worker& worker, Actions& actions) {

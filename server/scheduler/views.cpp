@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Views of the scheduler's state.
+// Snapshots of the state for callers.
 #include <algorithm>
 
-#include "server/scheduler/scheduler.hpp"
+#include "server/scheduler/farm_state.hpp"
 
 namespace tessera::scheduler {
 
-Waiting Scheduler::waiting_of(const Job& job) const {
+Waiting FarmState::waiting_of(const Job& job) const {
   if (job.state() == JobState::kPaused) return Waiting::kPaused;
   if (job.state() != JobState::kRunning || job.settled()) return Waiting::kNo;
   if (job.holder_count() > 0)
@@ -16,7 +16,7 @@ Waiting Scheduler::waiting_of(const Job& job) const {
   return work_.of_higher_priority(job) > 0 ? Waiting::kHigherPriority : Waiting::kTurn;
 }
 
-JobView Scheduler::job_view(const Job& job, Time now) const {
+JobView FarmState::job_view(const Job& job, Time now) const {
   const Waiting waiting = waiting_of(job);
   const bool is_queued = job.state() == JobState::kRunning && job.holder_count() == 0 && job.free() > 0;
   return {.id = job.id(),
@@ -35,7 +35,7 @@ JobView Scheduler::job_view(const Job& job, Time now) const {
           .queue_position = is_queued ? static_cast<std::uint32_t>(1 + work_.served_before(job)) : 0};
 }
 
-LeasePage Scheduler::leased_tiles(const JobId& id, const LeaseId& after, std::size_t most) const {
+LeasePage FarmState::leased_tiles(const JobId& id, const LeaseId& after, std::size_t most) const {
   LeasePage page;
   const Job* const job = find(id);
   if (job == nullptr) return page;
@@ -49,7 +49,7 @@ LeasePage Scheduler::leased_tiles(const JobId& id, const LeaseId& after, std::si
   return page;
 }
 
-std::vector<CooldownView> Scheduler::cooldowns_of(const Worker& worker, Time now) const {
+std::vector<CooldownView> FarmState::cooldowns_of(const Worker& worker, Time now) const {
   std::vector<CooldownView> cooldowns;
   for (const auto& [run, notes] : worker.notes) {
     const auto number = runs_.find(run);
@@ -64,7 +64,7 @@ std::vector<CooldownView> Scheduler::cooldowns_of(const Worker& worker, Time now
   return cooldowns;
 }
 
-WorkerView Scheduler::worker_view(const Worker& worker, Time now) const {
+WorkerView FarmState::worker_view(const Worker& worker, Time now) const {
   const auto revoked = std::count_if(worker.leases.begin(), worker.leases.end(),
                                      [&](const HeldLease& held) { return ended_runs_.contains(held.run); });
   return {.info = worker.info,
@@ -81,18 +81,18 @@ WorkerView Scheduler::worker_view(const Worker& worker, Time now) const {
           .cooldowns = cooldowns_of(worker, now)};
 }
 
-std::optional<JobView> Scheduler::job(const JobId& id, Time now) const {
+std::optional<JobView> FarmState::job(const JobId& id, Time now) const {
   const Job* const job = find(id);
   return job == nullptr ? std::nullopt : std::optional<JobView>(job_view(*job, now));
 }
 
-std::vector<JobView> Scheduler::jobs(Time now) const {
+std::vector<JobView> FarmState::jobs(Time now) const {
   std::vector<JobView> views;
   for (const auto& [number, job] : jobs_) views.push_back(job_view(job, now));
   return views;
 }
 
-std::vector<JobView> Scheduler::jobs(Time now, std::string_view id_prefix, std::size_t most) const {
+std::vector<JobView> FarmState::jobs(Time now, std::string_view id_prefix, std::size_t most) const {
   std::vector<JobNumber> numbers;
   for (auto job = job_numbers_.lower_bound(JobId{std::string(id_prefix)});
        job != job_numbers_.end() && job->first.value.starts_with(id_prefix); ++job)
@@ -104,17 +104,17 @@ std::vector<JobView> Scheduler::jobs(Time now, std::string_view id_prefix, std::
   return views;
 }
 
-std::optional<WorkerView> Scheduler::worker(const WorkerId& id, Time now) const {
+std::optional<WorkerView> FarmState::worker(const WorkerId& id, Time now) const {
   const Worker* const worker = registry_.find(id);
   return worker == nullptr ? std::nullopt : std::optional<WorkerView>(worker_view(*worker, now));
 }
 
-const WorkerInfo* Scheduler::worker_info(const WorkerId& id) const {
+const WorkerInfo* FarmState::worker_info(const WorkerId& id) const {
   const Worker* const worker = registry_.find(id);
   return worker == nullptr ? nullptr : &worker->info;
 }
 
-std::vector<WorkerView> Scheduler::workers(Time now, const WorkerId& after, std::size_t most) const {
+std::vector<WorkerView> FarmState::workers(Time now, const WorkerId& after, std::size_t most) const {
   std::vector<WorkerView> views;
   const auto& all = registry_.all();
   for (auto next = all.upper_bound(after); next != all.end() && views.size() < most; ++next)
@@ -122,21 +122,29 @@ std::vector<WorkerView> Scheduler::workers(Time now, const WorkerId& after, std:
   return views;
 }
 
-std::vector<WorkerView> Scheduler::workers(Time now) const {
+std::vector<WorkerView> FarmState::workers(Time now) const {
   std::vector<WorkerView> views;
   for (const auto& [id, worker] : registry_.all()) views.push_back(worker_view(worker, now));
   return views;
 }
 
-Totals Scheduler::totals(Time now) const {
+Totals FarmState::totals(Time now) const {
   Totals totals{
       .workers = registry_.activities(), .samples_per_second = rate_.per_second(now), .counts = counts_};
   job_totals_.write_to(totals);
   return totals;
 }
 
-const IntervalSet& Scheduler::done(const JobId& id, int tile) const {
+const IntervalSet& FarmState::done(const JobId& id, int tile) const {
   return find(id)->done(tile);
+}
+
+std::vector<ProducedItem> FarmState::provenance(const JobId& id, int tile) const {
+  std::vector<ProducedItem> items;
+  for (const LedgerEntry& entry : find(id)->audits().ledger().of_tile(tile)) {
+    items.push_back({{tile, entry.samples}, producers_.at(entry.producer), entry.fingerprint(), entry.due()});
+  }
+  return items;
 }
 
 }  // namespace tessera::scheduler

@@ -3,11 +3,32 @@
 
 #include <algorithm>
 #include <bit>
-#include <set>
+#include <iterator>
+#include <vector>
 
 namespace tessera::scheduler {
 
 using core::SampleRange;
+
+namespace {
+
+// The tiles whose targets differ; of shapes that differ in the target of the others, all that have their own.
+std::vector<int> affected_tiles(const JobShape& before, const JobShape& after) {
+  const auto &old = before.targets.all(), &now = after.targets.all();
+  TileTargets::ByTile affected;
+  if (before.spp == after.spp) {
+    std::set_symmetric_difference(old.begin(), old.end(), now.begin(), now.end(),
+                                  std::back_inserter(affected));
+  } else {
+    std::set_union(old.begin(), old.end(), now.begin(), now.end(), std::back_inserter(affected));
+  }
+  std::vector<int> tiles;
+  for (const TileTarget& each : affected)
+    if (tiles.empty() || tiles.back() != each.tile) tiles.push_back(each.tile);
+  return tiles;
+}
+
+}  // namespace
 
 SampleRange pass_of(std::uint32_t sample) {
   if (sample == 0) return {0, 1};
@@ -17,8 +38,8 @@ SampleRange pass_of(std::uint32_t sample) {
 
 WorkList::WorkList(const JobShape& shape)
     : shape_(shape), grid_(shape.grid()), cursor_{{0, shape.spp}, 0, 0} {
-  for (const auto& [tile, target] : shape.targets.all())
-    if (target > shape.spp) put_back({tile, {shape.spp, target}});
+  for (const TileTarget& own : shape.targets.all())
+    if (own.spp > shape.spp) put_back({own.tile, {shape.spp, own.spp}});
 }
 
 WorkItem WorkList::at(const Cursor& cursor) const {
@@ -108,10 +129,7 @@ void WorkList::extend(const JobShape& shape) {
   // A round that has not begun can become longer. Otherwise another one follows it.
   const bool has_begun = cursor_.tile > 0 || cursor_.sample > cursor_.round.begin;
   if (cursor_.round.empty() || (!has_begun && cursor_.round.end == before.spp)) cursor_.round.end = shape.spp;
-  std::set<int> changed;
-  for (const auto* const targets : {&before.targets, &shape.targets})
-    for (const auto& [tile, target] : targets->all()) changed.insert(tile);
-  for (const int tile : changed) {
+  for (const int tile : affected_tiles(before, shape)) {
     const std::uint32_t old_target = before.target(tile);
     // The cursor comes to these now.
     for (std::uint32_t begin = before.spp; begin < std::min(old_target, shape.spp);) {

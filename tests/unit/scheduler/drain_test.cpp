@@ -146,6 +146,21 @@ TEST_F(PrincipalsWithoutAudits, DistrustOfOneConcernsWhatAnyOfItsWorkersRendered
   EXPECT_THAT(handle(Distrust{{"c", {"c"}, "c", "ada"}}).reopen, ElementsAre(JobId{"job"}));
 }
 
+// The worker has not called since the coordinator was started again.
+TEST_F(PrincipalsWithoutAudits, ResultsOfAnUnregisteredWorkerAreThoseOfItsPrincipal) {
+  submit("job", tiles(2, 2));
+  const LeaseDescription lease = sync_as("a", "ada").leases.at(0);
+  restart();
+  SubmitResult result{{"a"}, lease.job, lease.id, {lease.items.front()}, 0.25};
+  result.principal = "ada";
+  ASSERT_EQ(handle(result).verdicts, std::vector{Verdict::kAccepted});
+  handle(Distrust{{"b", {"b"}, "b", "ben"}});
+  EXPECT_EQ(job("job").samples_to_verify, 0u);
+  sync_as("a", "ada");
+  handle(Distrust{{"c", {"c"}, "c", "ada"}});
+  EXPECT_GT(job("job").samples_to_verify, 0u);
+}
+
 class Fingerprints : public Farm {
  protected:
   Reply sync_with(const std::string& id, const std::string& fingerprint) {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+#include <vector>
+
 #include "server/scheduler/types.hpp"
 
 namespace tessera::scheduler {
@@ -73,6 +77,46 @@ TEST(JobShape, RaisesTargetsAndLowersNone) {
   EXPECT_EQ(shape, JobShape(80, 64, 8, 2));
 }
 
+TEST(JobShape, OfSeveralTargetsOfATileHasTheHighest) {
+  EXPECT_EQ(TileTargets({{2, 1}, {1, 6}, {2, 3}, {2, 2}}), TileTargets({{1, 6}, {2, 3}}));
+  JobShape shape(80, 64, 4, 2);
+  shape.raise(0, {{1, 7}, {1, 9}, {1, 8}});
+  EXPECT_EQ(shape.targets, TileTargets({{1, 9}}));
+}
+
+// Against a target for each tile. What is added is counted without adding up all of them.
+TEST(JobShape, AgreesWithATableOfTargetsThroughRandomRaises) {
+  std::mt19937 rng(7);
+  for (int round = 0; round < 200; ++round) {
+    JobShape shape(640, 64, 1 + static_cast<std::uint32_t>(rng() % 8), 3);
+    std::vector<std::uint32_t> table(30, shape.spp);
+    for (int step = 0; step < 20; ++step) {
+      std::vector<TileTarget> tiles;
+      for (std::uint32_t i = rng() % 4; i > 0; --i)
+        tiles.push_back({static_cast<int>(rng() % 30), static_cast<std::uint32_t>(rng() % 60)});
+      const std::uint32_t all = rng() % 4 == 0 ? static_cast<std::uint32_t>(rng() % 40) : 0;
+      const std::uint64_t before = shape.pixel_samples();
+      for (std::uint32_t& target : table) target = std::max(target, all);
+      for (const TileTarget& each : tiles) {
+        std::uint32_t& target = table[static_cast<std::size_t>(each.tile)];
+        target = std::max(target, each.spp);
+      }
+      ASSERT_EQ(shape.is_raised_by(all, tiles), [&] {
+        for (int tile = 0; tile < 30; ++tile)
+          if (table[static_cast<std::size_t>(tile)] > shape.target(tile)) return true;
+        return all > shape.spp;
+      }());
+      ASSERT_EQ(before + shape.raise(all, tiles), shape.pixel_samples());
+      std::uint64_t samples = 0;
+      for (int tile = 0; tile < 30; ++tile) {
+        ASSERT_EQ(shape.target(tile), table[static_cast<std::size_t>(tile)]) << "tile " << tile;
+        samples += 64 * 64 * table[static_cast<std::size_t>(tile)];
+      }
+      ASSERT_EQ(shape.pixel_samples(), samples);
+    }
+  }
+}
+
 TEST(JobShape, IsImpossibleWithoutWorkOrWithTargetsOfTilesThatItDoesNotHave) {
   EXPECT_TRUE(check_shape(JobShape(80, 64, 4, 2)));
   for (const JobShape& shape :
@@ -82,7 +126,7 @@ TEST(JobShape, IsImpossibleWithoutWorkOrWithTargetsOfTilesThatItDoesNotHave) {
        {TileTargets::ByTile{{4, 1}}, TileTargets::ByTile{{-1, 1}}, TileTargets::ByTile{{0, 0}}}) {
     JobShape shape(80, 64, 4, 2);
     shape.targets = TileTargets(targets);
-    EXPECT_FALSE(check_shape(shape)) << targets.begin()->first;
+    EXPECT_FALSE(check_shape(shape)) << targets.front().tile;
   }
 }
 

@@ -213,7 +213,8 @@ JobShape any_shape(std::mt19937& rng) {
   JobShape shape = shape_of(tiles, 1 + below(40, rng), images);
   TileTargets::ByTile targets;
   for (std::uint32_t i = below(3, rng); i > 0; --i)
-    targets[static_cast<int>(below(static_cast<std::uint32_t>(tiles * images), rng))] = 1 + below(60, rng);
+    targets.push_back(
+        {static_cast<int>(below(static_cast<std::uint32_t>(tiles * images), rng)), 1 + below(60, rng)});
   shape.targets = TileTargets(std::move(targets));
   return shape;
 }

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Workers that cannot build a scene, and who is left that might.
-#include <algorithm>
-#include <map>
-#include <set>
-#include <string>
+#include "server/scheduler/farm_state.hpp"
 
-#include "server/scheduler/scheduler.hpp"
+#include <algorithm>
 
 namespace tessera::scheduler {
 namespace {
@@ -22,8 +18,29 @@ bool are_all(const std::map<std::string, int>& workers, const std::set<std::stri
 
 }  // namespace
 
+FarmState::FarmState(const Options& options)
+    : options_(options),
+      last_lease_id_{static_cast<std::uint64_t>(options.epoch) << kLeaseCounterBits},
+      registry_(options.lease_duration, options.forget_after),
+      audit_waits_(options.audit_patience) {}
+
+const Job* FarmState::find(const JobId& id) const {
+  const auto found = job_numbers_.find(id);
+  return found == job_numbers_.end() ? nullptr : &jobs_.at(found->second);
+}
+
+std::optional<Time> FarmState::next_deadline() const {
+  std::optional<Time> next = registry_.next_alarm();
+  const auto at_latest = [&](Time time) { next = std::min(next.value_or(time), time); };
+  if (const std::optional<Time> deadline = audit_waits_.next_deadline()) at_latest(*deadline);
+  const bool has_backlog = waiting_.in_wave() || !ended_runs_.empty() || !reviews_.empty() ||
+                           audit_waits_.next_outdated(workers_version());
+  if (has_backlog) at_latest(now_);
+  return next;
+}
+
 // A worker that is stuck never reports that it cannot build a scene.
-std::map<std::string, int> Scheduler::stalled_by(const Job& job, std::string WorkerInfo::*part) const {
+std::map<std::string, int> FarmState::stalled_by(const Job& job, std::string WorkerInfo::*part) const {
   std::map<std::string, int> counts;
   for (const WorkerId& id : job.stalled_workers()) {
     const Worker* const worker = registry_.find(id);
@@ -33,29 +50,16 @@ std::map<std::string, int> Scheduler::stalled_by(const Job& job, std::string Wor
   return counts;
 }
 
-AreAll Scheduler::are_all_names(const Job& job) const {
+AreAll FarmState::are_all_names(const Job& job) const {
   return [this, &job](const std::set<std::string>& names) {
     return are_all(registry_.available_by_name(), names, stalled_by(job, &WorkerInfo::name));
   };
 }
 
-AreAll Scheduler::are_all_principals(const Job& job) const {
+AreAll FarmState::are_all_principals(const Job& job) const {
   return [this, &job](const std::set<std::string>& principals) {
     return are_all(registry_.available_by_origin(), principals, stalled_by(job, &WorkerInfo::origin));
   };
-}
-
-void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actions) {
-  Worker& worker = *registry_.find(event.worker);
-  std::optional<Time>& refused = notes(worker, job).refused;
-  if (refused) worker.refusals.erase({*refused, job.run()});
-  refused = now_;
-  worker.refusals.insert({now_, job.run()});
-  waiting_.update(worker);
-  job.note_refuser(event.worker);
-  const auto failure = job.decline_reason({event.worker, worker.info.name, worker.info.origin},
-                                          event.decline_reason, are_all_names(job), are_all_principals(job));
-  if (failure) fail(job, *failure, actions);
 }
 
 }  // namespace tessera::scheduler
