@@ -25,6 +25,8 @@ void Administrator::begin(double unrest_seconds, bool audited) {
     world_.after(some_time(),
                  [this] { coordinator_.films_lack_memory(seconds(random_.real(0, kLongestOutageSeconds))); });
   }
+  for (int lifts = audited ? random_.integer(0, 3) : 0; lifts > 0; --lifts)
+    world_.after(some_time(), [this] { lift(); });
   if (audited) return;
   for (int losses = random_.integer(0, 3); losses > 0; --losses)
     world_.after(some_time(), [this] { lose_tile(); });
@@ -42,6 +44,10 @@ void Administrator::drain() {
   world_.after(seconds(random_.real(0, kLongestDrainSeconds)), [this] {
     if (coordinator_.up()) coordinator_.undo_drains();
   });
+}
+
+void Administrator::lift() {
+  if (coordinator_.up() && coordinator_.lift_any(random_)) ++lifts_;
 }
 
 void Administrator::lose_tile() {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What happens around the scheduler in some rough farms: workers are drained, films have no memory for a
-// while, the store loses tiles, and finished jobs leave the scheduler. Uses a random generator of its own, so
-// that the other farms stay the same.
+// What happens around the scheduler in some rough farms: workers are drained or stopped, the quarantine is
+// lifted, films have no memory for a while, the store loses tiles, and finished jobs leave the scheduler.
+// Uses a random generator of its own, so that the other farms stay the same.
 #pragma once
 
 #include <cstdint>
@@ -23,9 +23,12 @@ class Administrator {
   void calm_down();
   // How much later the farm may be done.
   double delay_seconds() const { return delay_seconds_; }
+  // How often workers that deliver wrong samples may have been let in again.
+  int lifts() const { return lifts_; }
 
  private:
   void drain();
+  void lift();
   void lose_tile();
   void release();
 
@@ -33,6 +36,7 @@ class Administrator {
   Coordinator& coordinator_;
   Random random_;
   double delay_seconds_ = 0;
+  int lifts_ = 0;
   bool calm_ = false;
 };
 

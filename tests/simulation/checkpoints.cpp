@@ -77,6 +77,7 @@ void Coordinator::finish(const Checkpoint& checkpoint) {
     if (disk_.stored(id) != nullptr && !disk_.update(id, row)) return;
   }
   disk_.checkpoint_is_complete();
+  quarantine_.store();
 }
 
 }  // namespace tessera::simulation

@@ -52,6 +52,7 @@ void Coordinator::start() {
   referee_.restarted(run_);
   for (const Disk::StoredJob& job : disk_.jobs())
     if (!released_.contains(job.id)) restore(job);
+  for (const Producer& producer : quarantine_.entries()) handle(Distrust{producer});
   checkpoint(run_);
   look_around(run_);
 }
@@ -86,8 +87,7 @@ void Coordinator::crash() {
   scheduler_.reset();
   parked_.clear();
   films_.clear();
-  workers_aside_.clear();
-  machines_aside_.clear();
+  quarantine_.crashed();
   to_reopen_.clear();
   next_tick_.reset();
   stalled_until_ = {};
@@ -116,16 +116,17 @@ bool Coordinator::delayed(const std::function<void()>& again) {
 
 void Coordinator::synchronize(const Synchronize& request, const Answer& answer) {
   if (!up() || delayed([=, this] { synchronize(request, answer); })) return;
-  if (is_refused(request.worker)) return;
   const WorkerId id = request.worker.id;
+  if (is_foreign(id, request.worker.principal) || is_refused(request.worker)) return;
   parked_.erase(id);  // answered already; its worker does not wait any more
   referee_.answered(id);
   Synchronize call = request;
   const bool drains_anew = must_drain_anew(id);
   call.draining |= drains_anew;
+  if (drains_anew) drains_[id].is_known = false;
   const Actions actions = handle(call);
   if (!actions.reply) return world_.fail("Synchronize was not answered");
-  if (drains_anew) handle(Drain{id});
+  if (drains_anew) drain(id);
   if (actions.reply->changed) return answer(*actions.reply);
   park(id, *actions.reply, answer);
 }
@@ -165,7 +166,7 @@ void Coordinator::wake(const WorkerId& worker) {
 
 void Coordinator::submit_result(const SubmitResult& result, const ResultAnswer& answer) {
   if (!up() || delayed([=, this] { submit_result(result, answer); })) return;
-  if (workers_aside_.contains(result.worker)) return answer({});
+  if (is_foreign(result.worker, result.principal) || is_refused(result)) return answer({});
   const bool forged = result.token != options_.sign(result.lease, result.worker, result.job);
   const bool lies = is_liar(result.worker) || forged;
   if (!lies && !result.items.empty() && world_.now() < lacks_film_memory_until_) {
@@ -189,7 +190,8 @@ void Coordinator::submit_result(const SubmitResult& result, const ResultAnswer& 
   for (std::size_t i = 0; i < actions.verdicts.size(); ++i) {
     if (actions.verdicts[i] != Verdict::kAccepted) continue;
     const bool wrong_bits = fingerprint_of(result, i) != honest_sums(result.job, result.items[i]);
-    films_.at(result.job).add(result.items[i], wrong_bits);
+    films_.at(result.job).add(result.items[i]);
+    if (wrong_bits) films_.at(result.job).spoil(result.items[i].tile, result.worker);
     disk_.accepted(result.job, result.items[i]);
   }
   referee_.settled(actions, *scheduler_, clock());
@@ -274,7 +276,7 @@ void Coordinator::check_holders(const Event& event, const Actions& actions) {
       world_.fail(fmt::format("lease {} of worker {} is given to worker {}", lease.id.value,
                               holder->second.value, worker.value));
   }
-  check_drained(worker, has_new);
+  check_drained(worker, *actions.reply, has_new, std::holds_alternative<SubmitResult>(event));
 }
 
 void Coordinator::catch_up() {
@@ -299,6 +301,7 @@ Actions Coordinator::handle(const Event& event) {
   if (const auto wrong = scheduler_->check_invariants(CheckDepth::kEverySample)) world_.fail(*wrong);
   referee_.handled(event, actions, clock());
   follow_audits(actions);
+  check_quarantined();
   for (const std::string& stalled : actions.stalled) world_.note(stalled);
   for (const JobChange& change : actions.job_changes) {
     world_.note(fmt::format("job {} is {}", change.id.value, job_state_name(change.to)));
@@ -341,6 +344,8 @@ void Coordinator::look_around(std::uint64_t run) {
 
 bool Coordinator::all_settled() const {
   if (!up() || !to_reopen_.empty()) return false;
+  const bool has_backlog = scheduler_->next_deadline().value_or(Time::max()) <= latest_;
+  if (has_backlog) return false;
   const std::vector<JobView> views = jobs();
   return std::none_of(views.begin(), views.end(), [](const JobView& job) {
     return job.state == JobState::kRunning || job.state == JobState::kPaused;

@@ -14,6 +14,7 @@
 #include "tests/simulation/digest.hpp"
 #include "tests/simulation/disk.hpp"
 #include "tests/simulation/model_film.hpp"
+#include "tests/simulation/quarantine.hpp"
 #include "tests/simulation/referee.hpp"
 #include "tests/simulation/world.hpp"
 
@@ -37,6 +38,9 @@ class Coordinator {
   void clock_jumps(Duration by);
   Disk& disk() { return disk_; }
 
+  // The id belongs to this worker from now on: no other principal can call with it.
+  void introduce(const scheduler::WorkerInfo& worker) { owners_[worker.id] = producer_of(worker); }
+
   // ---- Messages from the network; lost while it is down ----
   void synchronize(const scheduler::Synchronize& request, const Answer& answer);
   // The answer may have the leases that the worker should hold.
@@ -47,16 +51,20 @@ class Coordinator {
   bool command(const scheduler::Event& event);
   // Quarantines the worker, as after too many rejected results.
   void quarantined(const scheduler::Producer& producer);
-  bool is_quarantined(const std::string& machine) const { return machines_aside_.contains(machine); }
+  bool is_quarantined(const std::string& machine) const { return quarantine_.has_machine(machine); }
   // Whether the job's film has wrong samples.
-  bool spoilt(const std::string& job) const { return films_.at({job}).spoilt_tile().has_value(); }
+  bool spoilt(const std::string& job) const { return !films_.at({job}).spoilt().empty(); }
   // Dismisses a random worker that is registered.
   void dismiss_any();
 
   // ---- What happens besides scheduling (coordinator_surroundings.cpp). It must be up, but for the memory
-  // ---- Drains a registered worker, also after restarts.
+  // ----
+
+  // Drains a registered worker, also after restarts; or stops it.
   void drain_any(Random& random);
   void undo_drains();
+  // Lifts an entry of the quarantine, with those that belong to it. False if there is none.
+  bool lift_any(Random& random);
   // Takes no samples during this time: workers must deliver them again.
   void films_lack_memory(Duration duration);
   // The store has lost a tile of a job.
@@ -101,14 +109,20 @@ class Coordinator {
   void follow_audits(const scheduler::Actions& actions);
   void empty_tiles(const scheduler::Actions& actions);
   void reopen_later(const scheduler::JobId& job);
-  bool is_refused(const scheduler::WorkerInfo& worker) const;
+  bool is_refused(const scheduler::WorkerInfo& worker);
+  bool is_refused(const scheduler::SubmitResult& result) const;
+  bool is_foreign(const scheduler::WorkerId& worker, const std::string& principal) const;
+  std::optional<scheduler::WorkerInfo> registered(const scheduler::WorkerId& worker) const;
+  void check_quarantined();
   bool is_expected_liar(const scheduler::WorkerId& worker) const;
   void note_refusal(const scheduler::WorkerId& worker);
   void check_bits();
   static bool counts(const scheduler::Actions& actions);
   void check_holders(const scheduler::Event& event, const scheduler::Actions& actions);
   bool must_drain_anew(const scheduler::WorkerId& worker) const;
-  void check_drained(const scheduler::WorkerId& worker, bool has_new);
+  void drain(const scheduler::WorkerId& worker);
+  void check_drained(const scheduler::WorkerId& worker, const scheduler::Reply& reply, bool has_new,
+                     bool is_answer);
   bool is_whole_on_disk(const scheduler::JobView& job) const;
   void bring_back(const scheduler::JobId& job);
   void park(const scheduler::WorkerId& worker, const scheduler::Reply& reply, const Answer& answer);
@@ -143,14 +157,20 @@ class Coordinator {
   // The worker to which each lease was granted first; survives restarts.
   std::map<scheduler::LeaseId, scheduler::WorkerId> holders_;
   std::set<std::string> liars_;
-  std::set<scheduler::WorkerId> workers_aside_;
-  std::set<std::string> machines_aside_;
+  Quarantine quarantine_;
+  std::map<scheduler::WorkerId, scheduler::Producer> owners_;
   int refused_ = 0;
   std::set<scheduler::JobId> to_reopen_;
   // Jobs of which ranges were not audited because the clock had jumped; survives restarts.
   std::set<scheduler::JobId> unaudited_;
-  // Drained workers, with the number of replies since; survives restarts.
-  std::map<scheduler::WorkerId, int> drains_;
+  // A worker that takes no more leases.
+  struct Drained {
+    bool stop = false;       // its process must end
+    bool is_known = false;   // the scheduler was told
+    bool has_reply = false;  // it has had a reply since
+  };
+  // Survives restarts.
+  std::map<scheduler::WorkerId, Drained> drains_;
   Time lacks_film_memory_until_{};
   // Finished jobs that are on disk alone; survives restarts.
   std::set<scheduler::JobId> released_;

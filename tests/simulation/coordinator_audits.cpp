@@ -28,8 +28,7 @@ void Coordinator::follow_audits(const Actions& actions) {
     if (!is_expected_liar(disproof.producer.worker))
       world_.fail(
           fmt::format("{} is honest, but was quarantined: {}", called(disproof.producer), disproof.because));
-    workers_aside_.insert(disproof.producer.worker);
-    if (!disproof.producer.machine.empty()) machines_aside_.insert(disproof.producer.machine);
+    quarantine_.add(disproof.producer);
   }
   for (const std::string& contradiction : actions.contradictions) world_.note(contradiction);
   for (const Unaudited& job : actions.unaudited) {
@@ -58,35 +57,65 @@ void Coordinator::reopen_later(const JobId& job) {
   });
 }
 
-bool Coordinator::is_refused(const WorkerInfo& worker) const {
-  if (workers_aside_.contains(worker.id)) return true;
-  const auto known = workers();
-  const auto is_it = [&](const WorkerView& each) { return each.info.id == worker.id; };
-  return machines_aside_.contains(worker.machine) && std::none_of(known.begin(), known.end(), is_it);
+std::optional<WorkerInfo> Coordinator::registered(const WorkerId& worker) const {
+  const WorkerInfo* const info = scheduler_->worker_info(worker);
+  return info == nullptr ? std::nullopt : std::optional(*info);
 }
 
-// Only in farms with audits, as in real ones.
+// Its principal may have been quarantined since its last call, for another worker.
+bool Coordinator::is_refused(const WorkerInfo& worker) {
+  const bool is_registered = registered(worker.id).has_value();
+  if (!quarantine_.refuses(producer_of(worker), is_registered)) return false;
+  if (is_registered) handle(Dismiss{worker.id});
+  return true;
+}
+
+bool Coordinator::is_refused(const SubmitResult& result) const {
+  const auto known = registered(result.worker);
+  return quarantine_.refuses(known ? producer_of(*known) : Producer{{}, result.worker, {}, result.principal},
+                             known.has_value());
+}
+
+bool Coordinator::is_foreign(const WorkerId& worker, const std::string& principal) const {
+  const auto owner = owners_.find(worker);
+  return owner != owners_.end() && owner->second.principal != principal;
+}
+
+void Coordinator::check_quarantined() {
+  for (const WorkerView& worker : workers())
+    if (worker.held_leases > 0 && quarantine_.has(worker.info.id))
+      world_.fail(fmt::format("worker {} is quarantined, and holds leases", worker.info.id.value));
+}
+
+// Only in farms with audits, as in real ones. Results of unregistered workers count against nobody.
 void Coordinator::note_refusal(const WorkerId& worker) {
-  if (options_.audit_share == 0 || !is_liar(worker) || ++refused_ % kRejectionsUntilQuarantine != 0) return;
+  if (options_.audit_share == 0 || !is_liar(worker) || !registered(worker)) return;
+  if (++refused_ % kRejectionsUntilQuarantine != 0) return;
   quarantined({kLiar, worker, kLiar});
 }
 
 void Coordinator::quarantined(const Producer& producer) {
   world_.note(fmt::format("{} is quarantined", called(producer)));
-  workers_aside_.insert(producer.worker);
-  machines_aside_.insert(producer.machine);
   referee_.expect_audits();
   handle(Dismiss{producer.worker, true});
+  quarantine_.add(producer);
 }
 
 // If everything is audited, and honest workers of at least two names are present, no wrong sample remains;
-// unless the clock jumps so far that the coordinator stops waiting for auditors.
+// unless the clock jumps so far that the coordinator stops waiting for auditors. Of quarantined workers and
+// principals none ever does.
 void Coordinator::check_bits() {
-  if (options_.audit_share < 1) return;
   for (const JobView& job : jobs()) {
-    const std::optional<int> spoilt = films_.at(job.id).spoilt_tile();
-    if (job.state == JobState::kDone && spoilt && !unaudited_.contains(job.id))
-      world_.fail(fmt::format("job {} is done, with wrong bits in tile {}", job.id.value, *spoilt));
+    if (job.state != JobState::kDone) continue;
+    const bool is_audited = options_.audit_share >= 1 && !unaudited_.contains(job.id);
+    for (const auto& [tile, spoilers] : films_.at(job.id).spoilt()) {
+      const bool any_quarantined = std::any_of(spoilers.begin(), spoilers.end(), [&](const WorkerId& worker) {
+        const auto owner = owners_.find(worker);
+        return quarantine_.covers(owner == owners_.end() ? Producer{{}, worker} : owner->second);
+      });
+      if (is_audited || any_quarantined)
+        world_.fail(fmt::format("job {} is done, with wrong bits in tile {}", job.id.value, tile));
+    }
   }
 }
 

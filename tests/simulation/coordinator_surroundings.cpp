@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the model's coordinator does besides scheduling: it drains workers, makes them wait while films have
-// no memory, replaces tiles that the store has lost, and lets finished jobs leave the scheduler.
+// What the model's coordinator does besides scheduling: it drains workers, lifts the quarantine, makes
+// workers wait while films have no memory, replaces tiles that the store has lost, and lets finished jobs
+// leave the scheduler.
 #include <algorithm>
 
 #include "tests/simulation/coordinator.hpp"
@@ -25,15 +26,22 @@ void Coordinator::drain_any(Random& random) {
   const std::vector<WorkerView> known = workers();
   const WorkerView* const chosen = any_of(known, random);
   if (chosen == nullptr) return;
-  world_.note(fmt::format("worker {} is drained", chosen->info.id.value));
-  drains_.try_emplace(chosen->info.id, 0);
-  handle(Drain{chosen->info.id});
+  const bool stop = random.chance(0.4);
+  world_.note(fmt::format("worker {} is {}", chosen->info.id.value, stop ? "stopped" : "drained"));
+  drains_[chosen->info.id] = {.stop = stop};
+  drain(chosen->info.id);
+}
+
+void Coordinator::drain(const WorkerId& worker) {
+  Drained& drained = drains_.at(worker);
+  handle(Drain{worker, true, drained.stop});
+  drained.is_known = true;
 }
 
 void Coordinator::undo_drains() {
-  const std::map<WorkerId, int> drains = std::exchange(drains_, {});
+  const std::map<WorkerId, Drained> drains = std::exchange(drains_, {});
   if (!drains.empty()) world_.note("drained workers may take leases again");
-  for (const auto& [worker, replies] : drains) handle(Drain{worker, false});
+  for (const auto& [worker, drained] : drains) handle(Drain{worker, false});
 }
 
 bool Coordinator::must_drain_anew(const WorkerId& worker) const {
@@ -43,13 +51,29 @@ bool Coordinator::must_drain_anew(const WorkerId& worker) const {
                       [&](const WorkerView& view) { return view.info.id == worker; });
 }
 
-// The first reply after the drain may tell it of leases that it was given before.
-void Coordinator::check_drained(const WorkerId& worker, bool has_new) {
+// The first reply after the drain may tell it of leases that it was given before. Answers to results do not
+// say that it must stop.
+void Coordinator::check_drained(const WorkerId& worker, const Reply& reply, bool has_new, bool is_answer) {
   const auto drain = drains_.find(worker);
   if (drain == drains_.end()) return;
-  if (has_new && drain->second > 0)
+  Drained& drained = drain->second;
+  if (has_new && drained.has_reply)
     world_.fail(fmt::format("worker {} is drained, and was given another lease", worker.value));
-  ++drain->second;
+  if (drained.stop && drained.is_known && !is_answer && !reply.stop)
+    world_.fail(fmt::format("worker {} must stop, and is not told", worker.value));
+  drained.has_reply = true;
+}
+
+// ---- The quarantine ----
+
+bool Coordinator::lift_any(Random& random) {
+  const auto count = static_cast<int>(quarantine_.entries().size());
+  if (count == 0) return false;
+  for (const Producer& producer : quarantine_.lift(static_cast<std::size_t>(random.integer(0, count - 1)))) {
+    world_.note(fmt::format("the quarantine of {} is lifted", called(producer)));
+    handle(Trust{producer});
+  }
+  return true;
 }
 
 // ---- Films without memory ----

@@ -8,8 +8,9 @@ namespace {
 
 std::size_t target_of(const scheduler::JobShape& shape, int tile) {
   const auto& exceptions = shape.targets.all();
-  const auto found = exceptions.find(tile);
-  return found == exceptions.end() ? shape.spp : found->second;
+  const auto found = std::find_if(exceptions.begin(), exceptions.end(),
+                                  [tile](const scheduler::TileTarget& each) { return each.tile == tile; });
+  return found == exceptions.end() ? shape.spp : found->spp;
 }
 
 }  // namespace
@@ -49,11 +50,10 @@ bool ModelFilm::fits(const scheduler::WorkItem& item) const {
          item.samples.end <= tiles_[static_cast<std::size_t>(item.tile)].size();
 }
 
-bool ModelFilm::add(const scheduler::WorkItem& item, bool wrong_bits) {
+bool ModelFilm::add(const scheduler::WorkItem& item) {
   if (!fits(item) || has_any(item)) return false;
   std::vector<bool>& tile = tiles_[static_cast<std::size_t>(item.tile)];
   std::fill(tile.begin() + item.samples.begin, tile.begin() + item.samples.end, true);
-  if (wrong_bits) spoilt_.insert(item.tile);
   return true;
 }
 
@@ -61,10 +61,6 @@ void ModelFilm::clear(int tile) {
   std::vector<bool>& samples = tiles_[static_cast<std::size_t>(tile)];
   samples.assign(samples.size(), false);
   spoilt_.erase(tile);
-}
-
-std::optional<int> ModelFilm::spoilt_tile() const {
-  return spoilt_.empty() ? std::nullopt : std::optional<int>(*spoilt_.begin());
 }
 
 bool ModelFilm::has(const scheduler::WorkItem& item) const {
@@ -104,7 +100,7 @@ std::uint64_t ModelFilm::count(int tile) const {
 void ModelFilm::copy_tile(int tile, const ModelFilm& from) {
   tiles_[static_cast<std::size_t>(tile)] = from.tiles_[static_cast<std::size_t>(tile)];
   spoilt_.erase(tile);
-  if (from.spoilt_.contains(tile)) spoilt_.insert(tile);
+  if (const auto found = from.spoilt_.find(tile); found != from.spoilt_.end()) spoilt_.insert(*found);
 }
 
 }  // namespace tessera::simulation

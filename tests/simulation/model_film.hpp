@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// A film that only counts: for each tile and sample, whether it was added, and whether it was wrong.
+// A film that only counts: for each tile and sample, whether it was added; and who added wrong samples.
 // Independent of the scheduler's sets.
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <map>
 #include <set>
 #include <vector>
 
@@ -25,10 +25,13 @@ class ModelFilm {
   // Each tile is to get as many samples as the shape says. The film has no others.
   void set_targets(const scheduler::JobShape& shape);
   // False if some of the samples were added before, or are outside the film.
-  bool add(const scheduler::WorkItem& item, bool wrong_bits = false);
+  bool add(const scheduler::WorkItem& item);
+  // A worker has added wrong samples to the tile.
+  void spoil(int tile, const scheduler::WorkerId& worker) { spoilt_[tile].insert(worker); }
   void clear(int tile);
-  // A tile with wrong samples, if there is one.
-  std::optional<int> spoilt_tile() const;
+  // The tiles with wrong samples, and who added these.
+  using Spoilt = std::map<int, std::set<scheduler::WorkerId>>;
+  const Spoilt& spoilt() const { return spoilt_; }
   // Whether the film has all of the samples, or some of them. False for samples outside the film.
   bool has(const scheduler::WorkItem& item) const;
   bool has_any(const scheduler::WorkItem& item) const;
@@ -46,15 +49,19 @@ class ModelFilm {
   void copy_tile(int tile, const ModelFilm& from);
   bool same_tile(int tile, const ModelFilm& other) const {
     return tiles_[static_cast<std::size_t>(tile)] == other.tiles_[static_cast<std::size_t>(tile)] &&
-           spoilt_.contains(tile) == other.spoilt_.contains(tile);
+           spoilers(tile) == other.spoilers(tile);
   }
 
  private:
   bool fits(const scheduler::WorkItem& item) const;
+  std::set<scheduler::WorkerId> spoilers(int tile) const {
+    const auto found = spoilt_.find(tile);
+    return found == spoilt_.end() ? std::set<scheduler::WorkerId>() : found->second;
+  }
 
   std::vector<double> tile_pixels_;
   std::vector<std::vector<bool>> tiles_;
-  std::set<int> spoilt_;
+  Spoilt spoilt_;
 };
 
 }  // namespace tessera::simulation

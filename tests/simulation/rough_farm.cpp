@@ -87,6 +87,17 @@ void RoughFarm::set_up_audits() {
     coordinator_.expect_liar(host);
   }
   if (audited_.random.chance(0.2)) absences_ = kAbsences;
+  if (principals_.chance(0.5)) set_up_principals();
+}
+
+// The first two machines have credentials of their own, so that they are not quarantined with others.
+void RoughFarm::set_up_principals() {
+  for (std::size_t m = 0; m < machines_.size(); ++m) {
+    const bool shares = m >= 2 && principals_.chance(0.6);
+    const std::string principal = shares ? "studio" : fmt::format("owner of m{}", m);
+    world_.note(fmt::format("m{} has the credentials of {}", m, principal));
+    machines_[m]->belong_to(principal);
+  }
 }
 
 // Ends all faults: starts what is down, resumes what is paused, and removes limits on workers, since a
@@ -125,7 +136,8 @@ bool RoughFarm::is_late() const {
                  800 * static_cast<double>(deadly_jobs_.size()) +
                  40'000 * static_cast<double>(endless_jobs_.size()) + 1.5 * pixel_samples_ / kFirstSpeed;
   // Everything is rendered twice, and wrong tiles once more; or there is no auditor.
-  if (audited_.any()) bound += kAuditPatienceSeconds + 6 * pixel_samples_ / kFirstSpeed;
+  if (audited_.any())
+    bound += kAuditPatienceSeconds + (6 + 3 * administrator_.lifts()) * pixel_samples_ / kFirstSpeed;
   bound += administrator_.delay_seconds();
   bound += absences_ * (kLongestAbsenceSeconds + kLongestVisitSeconds);
   return elapsed() > bound;

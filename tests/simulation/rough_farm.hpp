@@ -49,6 +49,7 @@ class RoughFarm {
       : world_(seed, verbose),
         slow_(seed ^ 0x510),
         images_(seed ^ 0x1a6e5),
+        principals_(seed ^ 0x9a1c),
         audited_(seed),
         coordinator_(world_, with_little_work_per_event(seed, audited_.options)),
         liar_(world_, coordinator_),
@@ -62,6 +63,7 @@ class RoughFarm {
   void add_machine(int number);
   bool make_slow(WorkerMachine& machine);
   void set_up_audits();
+  void set_up_principals();
   void calm_down();
   void leave_for_a_while(WorkerMachine& machine, int times);
   bool is_late() const;
@@ -102,8 +104,9 @@ class RoughFarm {
   double elapsed() const { return std::chrono::duration<double>(world_.now().time_since_epoch()).count(); }
 
   World world_;
-  // Fetching and endless samples use a random generator of their own as well; and images and targets.
-  Random slow_, images_;
+  // Fetching and endless samples use a random generator of their own as well; and images and targets; and
+  // principals.
+  Random slow_, images_, principals_;
   AuditedFarm audited_;
   Coordinator coordinator_;
   Liar liar_;

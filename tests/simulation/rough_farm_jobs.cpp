@@ -45,9 +45,10 @@ void RoughFarm::vary(JobShape& shape) {
   if (images_.chance(0.4)) shape.images = images_.integer(2, 3);
   if (!images_.chance(0.4)) return;
   TileTargets::ByTile targets;
-  for (int i = images_.integer(1, 4); i > 0; --i)
-    targets[images_.integer(0, shape.grid().tile_count() - 1)] =
-        static_cast<std::uint32_t>(images_.integer(1, 60));
+  for (int i = images_.integer(1, 4); i > 0; --i) {
+    const auto spp = static_cast<std::uint32_t>(images_.integer(1, 60));
+    targets.push_back({images_.integer(0, shape.grid().tile_count() - 1), spp});
+  }
   shape.targets = TileTargets(std::move(targets));
 }
 

@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kCallTimeoutSeconds = 5.0;
 constexpr double kResendSeconds = 1.5;
+// How long a machine stays off after the coordinator has told it to stop.
+constexpr double kLongestStopSeconds = 20;
 // A render checks at this interval whether the machine's speed has changed.
 constexpr double kLongestStepSeconds = 1.0;
 
@@ -61,7 +63,12 @@ void WorkerMachine::start() {
   fetching_.clear();
   held_.clear();
   outbox_.clear();
+  coordinator_.introduce(info());
   synchronize();
+}
+
+WorkerInfo WorkerMachine::info() const {
+  return {{id_}, name_, "0.1.0", 1, host_, principal_, principal_, !principal_.empty()};
 }
 
 void WorkerMachine::crash() {
@@ -122,7 +129,7 @@ void WorkerMachine::later(Duration delay, std::function<void()> what) {
 }
 
 void WorkerMachine::synchronize() {
-  Synchronize request{{{id_}, name_, "0.1.0", 1, host_}, {}, wanted_leases_, stopping_};
+  Synchronize request{info(), {}, wanted_leases_, stopping_};
   for (const Held& held : held_) {
     if (stopping_) break;
     LeaseDescription lease{held.id, held.job, held.sent, held.token};
@@ -148,6 +155,7 @@ void WorkerMachine::synchronize() {
 
 void WorkerMachine::take_reply(std::uint64_t call, const Reply& reply) {
   if (call != call_) return;
+  if (reply.stop && !stopping_) return stop_as_told();
   const auto wanted = [&](const Held& held) {
     return just_given_.contains(held.id) || std::any_of(reply.leases.begin(), reply.leases.end(),
                                                         [&](const auto& l) { return l.id == held.id; });
@@ -157,6 +165,12 @@ void WorkerMachine::take_reply(std::uint64_t call, const Reply& reply) {
   take_new(reply);
   if (!stopping_) synchronize();
   render_next();
+}
+
+// Its operator starts it again after a while.
+void WorkerMachine::stop_as_told() {
+  stop();
+  world_.after(seconds(world_.random.real(1, kLongestStopSeconds)), [this] { start(); });
 }
 
 void WorkerMachine::take_new(const Reply& reply) {
@@ -258,6 +272,7 @@ void WorkerMachine::deliver(Held& held, bool finished, const std::string& declin
   if (splits_) held.rendered = joined(held.rendered);
   outbox_[delivery] = {{id_},          held.job,      held.id, held.rendered, held.render_seconds, finished,
                        decline_reason, sums_of(held), {},      held.token};
+  outbox_[delivery].principal = principal_;
   // Real workers deliver one result after the other.
   const bool takes = finished && takes_with_answers_ && decline_reason.empty() && outbox_.size() == 1;
   if (takes && !stopping_) outbox_[delivery].held = held_besides(held);

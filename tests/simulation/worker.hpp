@@ -52,6 +52,8 @@ class WorkerMachine {
   void decline_reason(const scheduler::JobId& job) { unbuildable_.insert(job); }
   // From now on this share of its results has flipped bits.
   void lie(double share) { lies_ = share; }
+  // From now on it calls with the individual credentials of this principal.
+  void belong_to(const std::string& principal) { principal_ = principal; }
   // From now on it delivers many ranges in two parts.
   void split_ranges() { splits_ = true; }
   // SIGTERM: delivers its results, including a part of the current range, and stops.
@@ -79,6 +81,7 @@ class WorkerMachine {
 
   // Calls `what` in this process only, and not while it hangs.
   void later(Duration delay, std::function<void()> what);
+  scheduler::WorkerInfo info() const;
   void synchronize();
   void take_reply(std::uint64_t call, const scheduler::Reply& reply);
   void send(const std::function<void()>& deliver);
@@ -96,6 +99,7 @@ class WorkerMachine {
   std::vector<scheduler::LeaseId> held_besides(const Held& held) const;
   void heard(std::uint64_t delivery, const std::optional<scheduler::Reply>& reply);
   void take_new(const scheduler::Reply& reply);
+  void stop_as_told();
   void exit_if_idle();
   Held* find(scheduler::LeaseId id);
   struct Trap {
@@ -133,6 +137,7 @@ class WorkerMachine {
   bool feigns_ = false;
   std::set<scheduler::JobId> here_;
   double lies_ = 0;
+  std::string principal_;  // empty without credentials
   bool splits_ = false;
   std::set<scheduler::JobId> unbuildable_;
   double longest_lease_seconds_ = 0;
