@@ -10,6 +10,7 @@
 
 #include "core/base/error.hpp"
 #include "server/blobs/scene_files.hpp"
+#include "server/blobs/segment_tracker.hpp"
 #include "server/dispatch/dispatcher.hpp"
 #include "server/dispatch/lease_signer.hpp"
 #include "server/farm/farm.hpp"
@@ -59,6 +60,8 @@ class Coordinator {
   watch::TileFeed& tile_feed() { return tile_feed_; }
   // The scene files, their users and the room that they take.
   blobs::SceneFiles& files() { return files_; }
+  // Which workers have which parts of them.
+  blobs::SegmentTracker& segments() { return segments_; }
   store::JobStore& store() { return state_.jobs; }
   const blobs::BlobStore& blobs() const { return state_.blobs; }
   const store::JobStore& store() const { return state_.jobs; }
@@ -76,6 +79,7 @@ class Coordinator {
 
   store::StateDirectory state_;
   blobs::SceneFiles files_;
+  blobs::SegmentTracker segments_;
   film::FilmMemory film_memory_;
   const film::Fingerprinter fingerprinter_;
   const dispatch::LeaseSigner signer_;

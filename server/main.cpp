@@ -14,14 +14,18 @@
 #include <new>
 #include <stop_token>
 
-#include "core/base/printable.hpp"
 #include "core/base/standard_streams.hpp"
+#include "core/cli/parse.hpp"
+#include "core/common/journal.hpp"
 #include "core/common/log.hpp"
 #include "core/common/metrics_server.hpp"
 #include "core/common/open_files.hpp"
 #include "core/common/secret_file.hpp"
+#include "core/common/service_manager.hpp"
 #include "core/sandbox/check.hpp"
+#include "proto/certificates.hpp"
 #include "server/admin/maintenance.hpp"
+#include "server/farm/totals.hpp"
 #include "server/http/api.hpp"
 #include "server/metrics/collect.hpp"
 #include "server/options.hpp"
@@ -132,13 +136,17 @@ void reload_certificates(const server::Options& options, rpc::Server& server) {
   spdlog::info("has read the certificate in {} again", options.security.certificate);
 }
 
-void wait_for_stop(const server::Options& options, rpc::Server& server, const sigset_t& signals) {
+void wait_for_stop(const server::Options& options, rpc::Server& server, const sigset_t& signals,
+                   common::ServiceReport& report) {
   int signal = 0;
   while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) {
+    report.reloading();
     reload_tokens(options, server);
     reload_certificates(options, server);
+    report.reloaded();
   }
   spdlog::info("stopping on signal {}", signal);
+  report.stopping();
 }
 
 core::Status run(const server::Options& options, const sigset_t& signals) {
@@ -153,12 +161,13 @@ core::Status run(const server::Options& options, const sigset_t& signals) {
   if (!state) return core::fail(state.error());
   const blobs::BlobStore blobs = state->blobs;
   const auto check = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
+                         const std::vector<std::int32_t>& frames,
                          const std::stop_token& stop) -> core::Result<jobs::CheckedScene> {
     const validator::ProcessOptions validator{.path = options.validator,
                                               .limits = options.limits,
                                               .stop = stop,
                                               .require_sandbox = options.require_sandbox};
-    auto approval = validator::validate_scene(validator, blobs, bundle, overrides);
+    auto approval = validator::validate_scene(validator, blobs, {bundle, overrides, frames});
     if (!approval) return core::fail(approval.error());
     return jobs::CheckedScene{approval->settings, approval->display, std::move(approval->warnings)};
   };
@@ -199,7 +208,8 @@ core::Status run(const server::Options& options, const sigset_t& signals) {
   common::flush_log();
   std::cout << "tessera-coordinator: listening on " << (*server)->address() << std::endl;
   if (*page) std::cout << "tessera-coordinator: the page is at " << (*page)->url() << std::endl;
-  wait_for_stop(options, **server, signals);
+  common::ServiceReport report([&] { return farm::summary_of(farm::totals_of((*coordinator)->farm())); });
+  wait_for_stop(options, **server, signals, report);
   cluster->reset();
   metrics->reset();
   page->reset();
@@ -225,15 +235,17 @@ int main(int argc, char** argv) {
   setenv("GRPC_VERBOSITY", "NONE", 0);
   const server::Options options = server::parse_options(argc, argv);
   common::log_to_stderr("tessera-coordinator", options.log);
+  ::umask(S_IRWXG | S_IRWXO);  // other users of this machine must not read submitted scenes
   if (!options.check.empty()) return admin::check(options.check);
   if (!options.salvage.empty()) return admin::salvage(options.salvage);
+  if (!options.backup.empty()) return admin::back_up(options.state, options.backup);
+  if (!options.restore.empty()) return admin::restore(options.restore, options.state);
   // Debian's Abseil searches for deadlocks each time that gRPC takes a lock.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   common::raise_file_limit();
   const sigset_t signals = block_signals();
-  ::umask(S_IRWXG | S_IRWXO);  // other users of this machine must not read submitted scenes
   const auto ended = run_guarded(options, signals);
   if (ended) return EXIT_SUCCESS;
-  std::cerr << "tessera-coordinator: error: " << core::printable_lines(ended.error().message) << '\n';
-  return EXIT_FAILURE;
+  if (common::stderr_is_journal()) std::cerr << common::journal_prefix(spdlog::level::err);
+  return cli::print_error("tessera-coordinator", ended.error().message);
 }

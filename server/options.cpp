@@ -2,9 +2,11 @@
 #include "server/options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cstdlib>
 
 #include "core/base/version.hpp"
+#include "core/cli/config_file.hpp"
 #include "core/cli/help.hpp"
 #include "core/cli/parse.hpp"
 #include "core/common/log_flags.hpp"
@@ -22,11 +24,12 @@ const cli::HelpText kHelp{
     .notes =
         R"(Log lines go to stderr. SIGINT and SIGTERM stop the coordinator; jobs go on when it starts again with the same
 --state. SIGHUP reads the files of tokens and certificates again.)",
-    .exit_statuses = {{cli::kExitOk, "stopped by a signal, or the check found nothing damaged"},
+    .exit_statuses = {{cli::kExitOk, "stopped by a signal, or a maintenance command found nothing damaged"},
                       {cli::kExitFailed, "failed"},
                       {cli::kExitUsage, "wrong command line"}},
     .examples = {"tessera-coordinator --state /var/lib/tessera",
-                 "tessera-coordinator --check /var/lib/tessera"}};
+                 "tessera-coordinator --check /var/lib/tessera",
+                 "tessera-coordinator --state /var/lib/tessera --backup /mnt/backup/tessera"}};
 constexpr std::size_t kFingerprintDigits = 16;
 
 // The error message; empty if the text is a fingerprint.
@@ -44,16 +47,27 @@ std::string is_keep_finished(const std::string& text) {
 void add_maintenance_flags(CLI::App& app, Options& options) {
   const auto add_folder = [&](const char* flag, std::filesystem::path& path, const char* what) {
     return app.add_option(flag, path, what)
-        ->check(cli::existing_folder())
+        ->configurable(false)
         ->type_name("DIR")
         ->group("Maintenance, instead of running");
   };
-  CLI::Option* check =
-      add_folder("--check", options.check, "Check a state folder for damage and change nothing");
-  add_folder(
-      "--salvage", options.salvage,
-      "Recover what is whole of a state folder whose database is damaged; the old database is kept beside it")
-      ->excludes(check);
+  const std::array all{
+      add_folder("--check", options.check, "Check a state folder or a backup for damage and change nothing")
+          ->check(cli::existing_folder()),
+      add_folder(
+          "--salvage", options.salvage,
+          "Recover what is whole of a state folder whose database is damaged; the old database is kept "
+          "beside it")
+          ->check(cli::existing_folder()),
+      add_folder(
+          "--backup", options.backup,
+          "Write a backup of the state folder (--state) into this new folder, also while a coordinator "
+          "runs on it"),
+      add_folder("--restore", options.restore, "Make a new state folder (--state) of this backup")
+          ->check(cli::existing_folder())};
+  for (CLI::Option* const option : all)
+    for (CLI::Option* const other : all)
+      if (option != other) option->excludes(other);
 }
 
 void add_security_flags(CLI::App& app, Options& options) {
@@ -87,6 +101,7 @@ Options parse_options(int argc, char** argv) {
   cli::set_help(app, kHelp);
   app.set_version_flag("--version", "tessera-coordinator " + std::string(core::version()),
                        "Print the version");
+  cli::add_config_option(app);
   app.add_option("--listen", options.listen,
                  "Address to listen on; port 0 picks a free port. An address that other machines can reach "
                  "needs TLS with --tls-client-ca, unless another option allows less")

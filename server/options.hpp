@@ -36,6 +36,8 @@ struct Options {
   std::string tokens;
   // A state directory to check or to salvage, instead of running.
   std::filesystem::path check, salvage;
+  // Where to write a backup of `state`, or the backup of which to make `state`, instead of running.
+  std::filesystem::path backup, restore;
   // The tessera-validator to start for submitted scenes.
   std::string validator = validator::default_validator_path();
   // Whether to start only if nothing is missing of the validator's sandbox.

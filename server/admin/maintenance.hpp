@@ -13,4 +13,10 @@ int check(const std::filesystem::path& state);
 // Writes everything intact to a new database and prints what it kept. Returns the exit status: 0 on success.
 int salvage(const std::filesystem::path& state);
 
+// Makes a backup of the state, and prints what it has. Returns the exit status: 0 if all of it is intact.
+int back_up(const std::filesystem::path& state, const std::filesystem::path& backup);
+
+// Makes a new state of a backup. Returns the exit status: 0 on success.
+int restore(const std::filesystem::path& backup, const std::filesystem::path& state);
+
 }  // namespace tessera::admin

@@ -4,11 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
-#include <set>
 
 #include "core/base/printable.hpp"
 #include "proto/blob.hpp"
+#include "server/admin/backup_list.hpp"
 #include "server/farm/job_record.hpp"
 #include "server/farm/validating_job.hpp"
 #include "server/farm/wire.hpp"
@@ -19,9 +18,6 @@
 namespace tessera::admin {
 
 namespace {
-
-// The result of checking each blob, by its SHA-256 in hexadecimal digits.
-using BlobStates = std::map<std::string, core::Status>;
 
 BlobStates check_blobs(const blobs::BlobStore& blobs) {
   BlobStates states;
@@ -71,7 +67,7 @@ void check_tiles(store::JobStore& jobs, const store::JobRow& row, const v1::Job&
 }
 
 JobFindings check_job(store::JobStore& jobs, const store::JobRow& row, const BlobStates& blobs,
-                      std::set<std::string>& named) {
+                      std::set<std::string>& files) {
   JobFindings findings;
   findings.id = row.id;
   const auto job = farm::spec_from_row(row);
@@ -88,7 +84,7 @@ JobFindings check_job(store::JobStore& jobs, const store::JobRow& row, const Blo
                        : scheduler::job_state_name(farm::from_wire(static_cast<v1::JobState>(row.state)));
   findings.samples_total = farm::shape_of(spec, row).pixel_samples();
   for (const v1::Bundle::Asset& asset : spec.bundle().assets()) {
-    if (const auto digest = proto::from_proto(asset.digest())) named.insert(digest->hex());
+    if (const auto digest = proto::from_proto(asset.digest())) files.insert(digest->hex());
   }
   check_tiles(jobs, row, spec, findings);
   check_assets(spec.bundle(), blobs, is_unfinished(row.state), findings);
@@ -104,8 +100,7 @@ void note_missing_samples(const store::JobRow& row, JobFindings& job, StateFindi
         fmt::format("samples of job {} are missing: the next start renders them again", job.id));
 }
 
-void check_jobs(const std::filesystem::path& database, const BlobStates& blobs, std::set<std::string>& named,
-                StateFindings& findings) {
+void check_jobs(const std::filesystem::path& database, const BlobStates& blobs, StateFindings& findings) {
   auto jobs = store::JobStore::open_read_only(database);
   if (!jobs) return findings.damage.push_back(jobs.error().message);
   const auto damage = jobs->structural_damage();
@@ -121,7 +116,7 @@ void check_jobs(const std::filesystem::path& database, const BlobStates& blobs, 
     findings.damage.push_back(fmt::format("{}: {} or more jobs cannot be read: --salvage keeps the others",
                                           database.string(), readable->unreadable));
   for (const store::JobRow& row : readable->rows) {
-    JobFindings& job = findings.jobs.emplace_back(check_job(*jobs, row, blobs, named));
+    JobFindings& job = findings.jobs.emplace_back(check_job(*jobs, row, blobs, findings.files));
     if (row.state == v1::JOB_STATE_DONE && job.damage.empty() && job.samples_done < job.samples_total)
       note_missing_samples(row, job, findings);
   }
@@ -148,21 +143,28 @@ bool StateFindings::whole() const {
          std::all_of(jobs.begin(), jobs.end(), [](const JobFindings& job) { return job.damage.empty(); });
 }
 
+StateFindings check_database(const std::filesystem::path& database, const BlobStates& blobs) {
+  StateFindings findings;
+  findings.blobs = blobs.size();
+  check_jobs(database, blobs, findings);
+  return findings;
+}
+
 core::Result<StateFindings> check_state(const std::filesystem::path& folder) {
   const auto lock = store::lock_existing_state(folder);
   if (!lock) return core::fail(lock.error());
-  StateFindings findings;
   const auto blobs = blobs::BlobStore::look_at(folder / store::kBlobsName);
   const BlobStates states = check_blobs(blobs);
-  findings.blobs = states.size();
-  std::set<std::string> named;
-  check_jobs(folder / store::kDatabaseName, states, named, findings);
+  StateFindings findings = check_database(folder / store::kDatabaseName, states);
   for (const auto& [hex, state] : states) {
-    if (state || named.contains(hex)) continue;
+    if (state || findings.files.contains(hex)) continue;
     findings.damage.push_back(
         fmt::format("{}; no job that can be read needs it: remove the file", state.error().message));
   }
   note_leftovers(folder, blobs, findings);
+  if (is_backup(folder))
+    if (const auto files = read_whole_backup(folder); !files)
+      findings.damage.push_back(files.error().message);
   return findings;
 }
 

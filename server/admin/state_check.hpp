@@ -5,6 +5,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,14 +25,20 @@ struct StateFindings {
   std::vector<std::string> damage;  // that concerns no single job
   std::vector<std::string> notes;   // what the next start will clean up or recover
   std::vector<JobFindings> jobs;    // oldest first
+  std::set<std::string> files;      // of these jobs: each SHA-256 in hexadecimal digits
   std::size_t blobs = 0;
 
   bool whole() const;
 };
 
 // Reads everything and changes nothing. Errors are those of store::lock_existing_state(); everything else is
-// a finding.
+// a finding. The folder can be a backup, too.
 core::Result<StateFindings> check_state(const std::filesystem::path& folder);
+
+// The result of checking each blob, by its SHA-256 in hexadecimal digits.
+using BlobStates = std::map<std::string, core::Status>;
+// The same of a database that nobody writes to, given the results for the files of its jobs.
+StateFindings check_database(const std::filesystem::path& database, const BlobStates& blobs);
 
 // A report for people: one line for each job, and more where something is damaged.
 std::string to_text(const StateFindings& findings);

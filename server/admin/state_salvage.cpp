@@ -5,15 +5,14 @@
 #include <ratio>
 #include <set>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
+#include "server/admin/database_copy.hpp"
 #include "server/admin/state_check.hpp"
 #include "server/farm/job_record.hpp"
 #include "server/farm/validating_job.hpp"
 #include "server/film/stored_tile.hpp"
-#include "server/store/log_damage.hpp"
 #include "server/store/replacement.hpp"
 #include "server/store/state_directory.hpp"
 
@@ -99,24 +98,6 @@ core::Result<Salvage> copy_whole_jobs(const fs::path& database, store::JobStore&
   return salvage;
 }
 
-// Removes a database with SQLite's files beside it.
-void remove_database(const fs::path& file) {
-  for (const char* ending : {"", "-wal", "-shm"}) {
-    std::error_code ignored;  // opening the new database reports what could not be removed
-    fs::remove(file.string() + ending, ignored);
-  }
-}
-
-core::Status expect_no_log(const fs::path& copy) {
-  std::error_code missing;
-  if (fs::file_size(store::log_of(copy), missing) == 0 || missing == std::errc::no_such_file_or_directory)
-    return {};
-  return core::fail(
-      core::ErrorCode::kInternal,
-      fmt::format("{} is not empty after its database was closed: nothing was replaced; try again",
-                  store::log_of(copy).string()));
-}
-
 // A copy of an interrupted salvage is removed only after the old database could be opened.
 core::Result<Salvage> make_copy(const fs::path& database, const fs::path& copy) {
   auto from = store::JobStore::open_read_only(database);
@@ -128,7 +109,7 @@ core::Result<Salvage> make_copy(const fs::path& database, const fs::path& copy) 
     if (!to) return core::fail(to.error());
     salvage = copy_whole_jobs(database, *from, *to);
   }
-  if (auto whole = expect_no_log(copy); salvage && !whole) salvage = core::fail(whole.error());
+  if (auto whole = expect_empty_log(copy); salvage && !whole) salvage = core::fail(whole.error());
   if (!salvage) remove_database(copy);
   return salvage;
 }

@@ -33,6 +33,10 @@ constexpr std::uint64_t kFieldsPerFile = 8, kFieldsBesidesFiles = 256;
 // message.
 constexpr std::size_t kUploadBytes = 2 * proto::kMaxChunkBytes;
 
+// It may have a certificate, a bit for each segment of a blob, and the ids of workers.
+constexpr std::size_t kFetchBytes = 64 << 10;
+const ShapeLimits kFetch{256, {{"tessera.v1.SegmentRequest.excluded_worker_ids", 64}}};
+
 // A batch of small blobs, of five fields each.
 const ShapeLimits kBatch{1 << 13, {{"tessera.v1.BatchUploadBlobsRequest.blobs", 1024}}};
 
@@ -78,7 +82,7 @@ Methods::Methods(const server::Limits& limits) {
   add("RenderService", "ExtendJob", Role::kSubmit, kExtensionBytes, kExtension);
   add("WorkerService", "Synchronize", Role::kWork, kSynchronizeBytes, kSynchronize);
   add("WorkerService", "SubmitResult", Role::kWork, large_bytes, kSubmitResult);
-  add("WorkerService", "FetchBlob", Role::kWork, kSmallBytes, kSmall);
+  add("WorkerService", "FetchBlob", Role::kWork, kFetchBytes, kFetch);
   for (const char* const name : {"ListQuarantine", "LiftQuarantine", "DrainWorker"})
     add("AdminService", name, Role::kAdmin, kSmallBytes, kSmall);
 }

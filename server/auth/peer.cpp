@@ -42,6 +42,20 @@ std::string client_key(const std::string& peer) {
   return peer.substr(0, peer.find_last_of(':'));
 }
 
+std::string host_of(const std::string& peer) {
+  static const std::regex kIpv4(R"(ipv4:([0-9.]+):\d+)");
+  static const std::regex kMapped(R"(ipv6:(?:\[|%5B)::ffff:([0-9.]+)(?:\]|%5D):\d+)", std::regex::icase);
+  static const std::regex kIpv6(R"(ipv6:(?:\[|%5B)([0-9a-f:.]+)(?:\]|%5D):\d+)", std::regex::icase);
+  std::smatch parts;
+  if (std::regex_match(peer, parts, kIpv4) || std::regex_match(peer, parts, kMapped)) return parts.str(1);
+  if (std::regex_match(peer, parts, kIpv6)) return "[" + parts.str(1) + "]";
+  return "";
+}
+
+bool is_loopback_host(const std::string& host) {
+  return host.starts_with("127.") || host == "[::1]";
+}
+
 std::string client_machine(const sockaddr_storage& peer) {
   if (peer.ss_family == AF_INET) return "ipv4:" + client_key(peer);
   const auto& ipv6 = reinterpret_cast<const sockaddr_in6&>(peer);

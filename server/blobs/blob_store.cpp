@@ -106,6 +106,14 @@ core::Status BlobWriter::take_name() {
 BlobReader::BlobReader(proto::Digest digest, std::filesystem::path path, base::Fd fd)
     : digest_(digest), path_(std::move(path)), fd_(std::move(fd)), left_bytes_(digest.size_bytes) {}
 
+core::Status BlobReader::limit_to(std::uint64_t offset_bytes, std::uint64_t size_bytes) {
+  if (::lseek(fd_.get(), static_cast<off_t>(offset_bytes), SEEK_SET) < 0)
+    return core::fail(base::errno_error("reading", path_));
+  is_part_ = size_bytes < digest_.size_bytes;
+  left_bytes_ = size_bytes;
+  return {};
+}
+
 core::Result<std::string> BlobReader::next(std::size_t max_bytes) {
   std::string bytes(std::min<std::uint64_t>(max_bytes, left_bytes_), '\0');
   if (bytes.empty()) return bytes;
@@ -119,8 +127,8 @@ core::Result<std::string> BlobReader::next(std::size_t max_bytes) {
   }
   hasher_.update(bytes);
   left_bytes_ -= bytes.size();
-  const bool whole = filled == bytes.size() && (left_bytes_ > 0 || hasher_.finish() == digest_);
-  if (whole) return bytes;
+  if (left_bytes_ == 0) read_digest_ = hasher_.finish();
+  if (filled == bytes.size() && (left_bytes_ > 0 || is_part_ || read_digest_ == digest_)) return bytes;
   return core::fail(ErrorCode::kDataLoss,
                     fmt::format("{} is damaged: its content is not what its name says", path_.string()));
 }

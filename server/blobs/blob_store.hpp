@@ -77,12 +77,17 @@ class BlobWriter {
   bool is_named_by_content_ = false;
 };
 
-// Reads one blob in chunks, and checks its digest at the end.
+// Reads one blob, or a part of it, in chunks. Checks the digest at the end of a whole blob.
 class BlobReader {
  public:
+  // Limits it to these bytes of the blob. Call it before next(). INTERNAL if the file cannot be read there.
+  core::Status limit_to(std::uint64_t offset_bytes, std::uint64_t size_bytes);
   // The next bytes, at most `max_bytes`; empty at the end. DATA_LOSS instead of the last chunk if the file
   // has changed on disk.
   core::Result<std::string> next(std::size_t max_bytes);
+  std::uint64_t left_bytes() const { return left_bytes_; }
+  // The digest of what was read. Valid when nothing is left.
+  const proto::Digest& read_digest() const { return read_digest_; }
 
  private:
   friend class BlobStore;
@@ -93,6 +98,8 @@ class BlobReader {
   base::Fd fd_;
   proto::Hasher hasher_;
   std::uint64_t left_bytes_;
+  bool is_part_ = false;
+  proto::Digest read_digest_;
 };
 
 // A blob that was removed from a store. The destructor deletes its file, which can take a while, and then

@@ -181,6 +181,8 @@ struct Dispatcher::Delivery {
   std::vector<scheduler::Fingerprint> fingerprints;
   // Memory for notes to clear tiles: an item can disprove one tile.
   film::Notes spare{};
+  // The caller's, if it is individual.
+  std::string principal{};
 };
 
 // What became of a result. The answer is made of it without the state lock.
@@ -234,6 +236,7 @@ core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::Submi
   for (const film::Note& tile : delivery.tiles)
     delivery.fingerprints.push_back(fingerprinter_.of(tile.samples));
   delivery.spare.resize(delivery.tiles.size());
+  if (caller.individual) delivery.principal = caller.name;
   const core::Result<Counted> counted = [&]() -> core::Result<Counted> {
     StateLock lock(farm_);
     if (auto may = may_deliver(lock, request.worker_id(), caller); !may) {
@@ -277,10 +280,10 @@ core::Result<Dispatcher::Counted> Dispatcher::count_result(StateLock& lock,
   const std::string offered = fingerprint_of(lock, request);
   if (auto may = may_count(lock, *record, request, offered); !may)
     return core::fail(rejected(RejectedFor::kFingerprint, may.error()));
-  return decide(
-      lock, *record,
-      event_of(request, farm::grid_of(*record->spec), delivery.tiles, delivery.fingerprints, offered),
-      delivery);
+  scheduler::SubmitResult event =
+      event_of(request, farm::grid_of(*record->spec), delivery.tiles, delivery.fingerprints, offered);
+  event.principal = delivery.principal;
+  return decide(lock, *record, event, delivery);
 }
 
 // The scheduler and the film must agree. If there is no memory left for an answer, the process ends, and the

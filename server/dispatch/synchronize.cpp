@@ -133,6 +133,15 @@ void note_troubles(StateLock& lock, const v1::SynchronizeRequest& request) {
       if (JobRecord* const record = lock->find_job(job)) lock.note_progress(*record);
 }
 
+// Of a worker that the scheduler knows.
+void note_cache(StateLock& lock, const v1::SynchronizeRequest& request) {
+  if (!request.has_cache()) return;
+  const farm::CacheUse now{request.cache().used_bytes(), request.cache().limit_bytes()};
+  const auto [known, is_new] = lock->caches.try_emplace(request.worker_id(), now);
+  if (!is_new && std::exchange(known->second, now) == now) return;
+  lock.note_worker(request.worker_id());
+}
+
 // Of a worker that the scheduler does not know: it was asked to drain before the coordinator was restarted.
 std::optional<farm::Drain> drain_of_earlier_run(const StateLock& lock, const std::string& worker) {
   const farm::Drain* const drain = lock->drains.find(worker);
@@ -183,6 +192,7 @@ void Dispatcher::synchronize(const v1::SynchronizeRequest& request, farm::Synchr
     lock.apply(actions);
     return farm::refuse(lock, caller, actions.status.error());
   }
+  note_cache(lock, request);
   const scheduler::Reply& reply = *actions.reply;
   farm::WaitingCall call{std::move(caller), std::move(known_jobs),
                          lock.now() + reply.heartbeat_timeout / kCallsPerLease};

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include "server/base/wall_clock.hpp"
@@ -29,6 +30,7 @@ struct WorkerSnapshot {
   std::uint64_t rejected_results = 0;
   std::vector<std::string> troubles;
   std::string quarantined_because;  // empty unless it is quarantined
+  std::optional<farm::CacheUse> cache{};
 };
 
 WorkerSnapshot snapshot_of(const StateLock& lock, scheduler::WorkerView view) {
@@ -37,6 +39,7 @@ WorkerSnapshot snapshot_of(const StateLock& lock, scheduler::WorkerView view) {
   WorkerSnapshot snapshot{{}, lock->quarantine.refusals(id), lock->troubles.of_worker(id), {}};
   if (const farm::QuarantineEntry* const entry = lock->quarantine.find(scheduler::producer_of(info), true))
     snapshot.quarantined_because = entry->because;
+  if (const auto cache = lock->caches.find(id); cache != lock->caches.end()) snapshot.cache = cache->second;
   snapshot.view = std::move(view);
   return snapshot;
 }
@@ -46,6 +49,10 @@ v1::Worker to_wire(const WorkerSnapshot& snapshot, scheduler::Time now) {
   auto worker = farm::to_wire(snapshot.view, base::wall_clock_ms() - silent.count());
   worker.set_rejected_results(snapshot.rejected_results);
   worker.mutable_troubles()->Add(snapshot.troubles.begin(), snapshot.troubles.end());
+  if (snapshot.cache) {
+    worker.mutable_cache()->set_used_bytes(snapshot.cache->used_bytes);
+    worker.mutable_cache()->set_limit_bytes(snapshot.cache->limit_bytes);
+  }
   if (snapshot.quarantined_because.empty()) return worker;
   worker.set_quarantined(true);
   worker.set_quarantine_reason(snapshot.quarantined_because);

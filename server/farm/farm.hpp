@@ -54,6 +54,12 @@ struct Options {
   scheduler::Duration forget_after() const { return 10 * lease_duration; }
 };
 
+// How full the cache folder of a worker is.
+struct CacheUse {
+  std::uint64_t used_bytes = 0, limit_bytes = 0;
+  bool operator==(const CacheUse&) const = default;
+};
+
 // What the state lock guards.
 struct State {
   explicit State(const Options& options);
@@ -90,6 +96,7 @@ struct State {
   Quarantine quarantine;
   Drains drains;
   Troubles troubles;
+  std::map<std::string, CacheUse> caches;  // by worker; of those that report it
   base::RateLimitedLog rejected_log, troubles_log;
   std::set<std::string> to_reopen;  // jobs
   // Workers of which stored jobs may have samples: these are to be found and reopened.

@@ -38,7 +38,7 @@ bool has_possible_shape(const store::JobRow& row, const v1::Job& spec) {
   const scheduler::JobGrid grid = grid_of(spec);
   const std::int64_t tiles = std::int64_t{grid.tiles_per_image()} * grid.image_count();
   const auto& all = targets->all();
-  return tiles <= scheduler::kMaxTilesPerJob && (all.empty() || all.rbegin()->first < tiles);
+  return tiles <= scheduler::kMaxTilesPerJob && (all.empty() || all.back().tile < tiles);
 }
 
 bool ended_unvalidated(const store::JobRow& row) {

@@ -171,6 +171,7 @@ void StateLock::note_presence(const scheduler::WorkerId& worker) {
   state_.quarantine.forget(id);
   state_.drains.forget(id);
   state_.troubles.forget(id);
+  state_.caches.erase(id);
 }
 
 void StateLock::append_events(const scheduler::Actions& actions) {

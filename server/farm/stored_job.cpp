@@ -241,7 +241,7 @@ std::optional<scheduler::TileTargets> decode_targets(const std::string& bytes) {
   for (int i = 0; i < message.tiles_size(); ++i) {
     tile += message.tiles(i);
     if (tile >= scheduler::kMaxTilesPerJob || message.spp(i) == 0) return std::nullopt;
-    targets[static_cast<int>(tile)] = message.spp(i);
+    targets.push_back({static_cast<int>(tile), message.spp(i)});
   }
   return scheduler::TileTargets(std::move(targets));
 }

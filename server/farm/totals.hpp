@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
 #include "server/farm/farm.hpp"
 
@@ -17,5 +18,8 @@ struct Totals {
 
 // Takes the state lock for a copy that does not depend on the size of the farm.
 Totals totals_of(Farm& farm);
+
+// "2 jobs running, 1 validating; 12 workers, 10 of them busy", of the workers that are heard.
+std::string summary_of(const Totals& totals);
 
 }  // namespace tessera::farm

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/answers.hpp"
 
+#include <utility>
+
 #include "proto/error_reasons.hpp"
 #include "proto/json.hpp"
 #include "proto/status.hpp"
@@ -45,11 +47,15 @@ int status_of(const core::Error& error) {
 
 }  // namespace
 
-// What a farm says may change with every request, and is nobody else's.
 http::Response json_response(const Json& json, int status) {
+  return json_text_response(proto::to_line(json), status);
+}
+
+// What a farm says may change with every request, and is nobody else's.
+http::Response json_text_response(std::string text, int status) {
   return {.status = status,
           .headers = {{"Content-Type", "application/json"}, {"Cache-Control", "no-store"}},
-          .body = proto::to_line(json) + "\n"};
+          .body = std::move(text) + "\n"};
 }
 
 http::Response error_response(const core::Error& error) {

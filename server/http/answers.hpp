@@ -15,6 +15,8 @@ namespace tessera::http_api {
 using Json = nlohmann::ordered_json;
 
 http::Response json_response(const Json& json, int status = 200);
+// The same for an object that is text already, without the end of its line.
+http::Response json_text_response(std::string text, int status = 200);
 // {"error": {...}} with the status of HTTP that fits the code, and Retry-After if it passes by itself.
 http::Response error_response(const core::Error& error);
 // The same for a call that was not admitted, whose code may be one that core lacks.

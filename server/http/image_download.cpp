@@ -41,14 +41,15 @@ class FileBody final : public http::BodySource {
 };
 
 // A name for a file that cannot be taken for a path or for another header.
-std::string file_name(const v1::Job& job, const std::string& format) {
+std::string file_name(const v1::Job& job, std::uint32_t image, const std::string& format) {
   std::string name;
   for (const char c : job.name().substr(0, 80)) {
     const bool is_plain =
         (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '_';
     name += is_plain ? c : '_';
   }
-  return fmt::format("{}-{:.8}.{}", name, job.id(), format);
+  const std::string suffix = job.image_count() > 1 ? fmt::format("-image{}", image) : "";
+  return fmt::format("{}-{:.8}{}.{}", name, job.id(), suffix, format);
 }
 
 const char* content_type(v1::ImageFormat format) {
@@ -118,8 +119,8 @@ Answer Download::make(base::FairShare::Held& memory) const {
   const std::string format = call->request.parameter("format").value_or("png");
   http::Response response{
       .headers = {{"Content-Type", content_type(request.format())},
-                  {"Content-Disposition",
-                   fmt::format("attachment; filename=\"{}\"", file_name(image->job, format))},
+                  {"Content-Disposition", fmt::format("attachment; filename=\"{}\"",
+                                                      file_name(image->job, request.image(), format))},
                   {"X-Tessera-State", proto::to_json(image->job).at("state").get<std::string>()},
                   {"Cache-Control", "no-store"}},
       .size_bytes = image->size_bytes};

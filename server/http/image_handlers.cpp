@@ -27,21 +27,27 @@ core::Result<int> coordinate(const http::Request& request, const char* name) {
   return static_cast<int>(**value);
 }
 
+// The image of the job that is asked for.
+core::Result<std::shared_ptr<watch::JobTiles>> source_of(const CallPtr& call) {
+  const auto image = read_image_index(call->request);
+  if (!image) return core::fail(image.error());
+  return call->context.tiles.source(call->id(), *image);
+}
+
 }  // namespace
 
 Answer get_thumbnail(const CallPtr& call) {
   const auto asked = read_number(call->request, "size", view::kMaxThumbnailPx);
   if (!asked) return core::fail(asked.error());
   const int size_px = std::max(1, static_cast<int>(asked->value_or(kDefaultSizePx)));
-  auto& views = call->context.tiles;
-  const auto source = views.source(call->id());
+  const auto source = source_of(call);
   if (!source) return core::fail(source.error());
   const auto look = (*source)->look();
   if (!look) return core::fail(look.error());
   const auto display = proto::from_proto((*look)->job.display());
   if (!display) return core::fail(display.error());
-  const auto thumbnail =
-      views.thumbnails().get(**source, size_px, *display, std::chrono::steady_clock::now() + kThumbnailTime);
+  const auto thumbnail = call->context.tiles.thumbnails().get(
+      **source, size_px, *display, std::chrono::steady_clock::now() + kThumbnailTime);
   if (!thumbnail) return core::fail(thumbnail.error());
   http::Response response{.headers = {{"ETag", (*thumbnail)->etag}, {"Cache-Control", "private, no-cache"}}};
   if (call->request.header("if-none-match") == (*thumbnail)->etag) {
@@ -58,13 +64,11 @@ Answer get_pixel(const CallPtr& call) {
   if (!x) return core::fail(x.error());
   const auto y = coordinate(call->request, "y");
   if (!y) return core::fail(y.error());
-  const auto source = call->context.tiles.source(call->id());
+  const auto source = source_of(call);
   if (!source) return core::fail(source.error());
   const auto pixel = view::read_pixel(**source, *x, *y);
   if (!pixel) return core::fail(pixel.error());
-  http::Response response = json_response(Json::object());
-  response.body = view::to_json(*pixel) + "\n";
-  return response;
+  return json_text_response(view::to_json(*pixel));
 }
 
 }  // namespace tessera::http_api

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The route of a job's map: the samples of each tile of its first image, and who renders it.
+// The route of a job's map: the samples of each tile of one image, and who renders it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,6 +14,7 @@
 #include "server/farm/state_lock.hpp"
 #include "server/http/answers.hpp"
 #include "server/http/handlers.hpp"
+#include "server/http/read_json.hpp"
 #include "server/jobs/find_job.hpp"
 
 namespace tessera::http_api {
@@ -22,9 +23,9 @@ namespace {
 
 // What is looked at in one hold of the state lock, which takes about a microsecond for each.
 constexpr std::size_t kLeasesAtOnce = 32;
-constexpr int kTilesAtOnce = 16;
+constexpr std::size_t kTilesAtOnce = 16;
 // Of larger images, only those who render at this moment are told.
-constexpr int kMaxTilesWithProducers = 1 << 14;
+constexpr std::size_t kMaxTilesWithProducers = 1 << 14;
 
 constexpr std::chrono::milliseconds kNoiseTime{100};
 
@@ -36,6 +37,11 @@ struct MapTile {
 };
 
 struct Map {
+  Map(const scheduler::JobGrid& grid, std::uint32_t image)
+      : first(grid.first_tile(static_cast<int>(image))),
+        tiles(static_cast<std::size_t>(grid.tiles_per_image())) {}
+
+  const int first;                                           // the number of its first tile in the job
   std::vector<std::pair<std::string, std::string>> workers;  // ids and names
   std::map<std::string, int> places;                         // of workers, by id
   std::vector<MapTile> tiles;
@@ -44,6 +50,12 @@ struct Map {
     const auto [known, is_new] = places.try_emplace(id, static_cast<int>(workers.size()));
     if (is_new) workers.emplace_back(id, name);
     return known->second;
+  }
+  int of_job(std::size_t tile) const { return first + static_cast<int>(tile); }
+  // Null if the tile of the job belongs to another image.
+  MapTile* find(int of_job) {
+    const auto tile = static_cast<std::size_t>(of_job - first);
+    return of_job >= first && tile < tiles.size() ? &tiles[tile] : nullptr;
   }
 };
 
@@ -56,26 +68,24 @@ std::uint64_t samples_in(const film::TileSnapshot& parts) {
 
 void add_samples(const film::JobFilm& film, Map& map) {
   for (std::size_t tile = 0; tile < map.tiles.size(); ++tile)
-    map.tiles[tile].samples = samples_in(film.snapshot(static_cast<int>(tile)));
+    map.tiles[tile].samples = samples_in(film.snapshot(map.of_job(tile)));
 }
 
 core::Status add_stored_samples(store::JobStore& store, const std::string& job_id, Map& map) {
   const auto done = store.tiles_done(job_id);
   if (!done) return core::fail(done.error());
-  for (const auto& [tile, ranges] : *done) {
-    if (tile < 0 || static_cast<std::size_t>(tile) >= map.tiles.size()) continue;
-    for (const core::SampleRange& range : ranges)
-      map.tiles[static_cast<std::size_t>(tile)].samples += range.count();
+  for (const auto& [of_job, ranges] : *done) {
+    MapTile* const tile = map.find(of_job);
+    if (tile == nullptr) continue;
+    for (const core::SampleRange& range : ranges) tile->samples += range.count();
   }
   return {};
 }
 
 // The noise of tiles that can be read in time; each tile is read once for each of its revisions.
-core::Status add_noise(TileViews& views, const std::string& job_id, Map& map) {
-  const auto source = views.source(job_id);
-  if (!source) return core::fail(source.error());
+core::Status add_noise(TileViews& views, watch::JobTiles& source, Map& map) {
   const auto states =
-      view::read_tile_states(**source, views.tiles(), std::chrono::steady_clock::now() + kNoiseTime);
+      view::read_tile_states(source, views.tiles(), std::chrono::steady_clock::now() + kNoiseTime);
   if (!states) return core::fail(states.error());
   for (std::size_t i = 0; i < std::min(states->size(), map.tiles.size()); ++i)
     if ((*states)[i]) map.tiles[i].noise = (*states)[i]->noise;
@@ -84,16 +94,16 @@ core::Status add_noise(TileViews& views, const std::string& job_id, Map& map) {
 
 // Who rendered samples that nobody has verified.
 void add_producers(farm::Farm& farm, const std::string& job_id, Map& map) {
-  const int count = static_cast<int>(map.tiles.size());
+  const std::size_t count = map.tiles.size();
   if (count > kMaxTilesWithProducers) return;
-  for (int first = 0; first < count; first += kTilesAtOnce) {
+  for (std::size_t first = 0; first < count; first += kTilesAtOnce) {
     const farm::StateLock lock(farm);
     if (lock->find_job(job_id) == nullptr) return;
-    for (int tile = first; tile < std::min(count, first + kTilesAtOnce); ++tile) {
-      const auto items = lock->scheduler.provenance({job_id}, tile);
+    for (std::size_t tile = first; tile < std::min(count, first + kTilesAtOnce); ++tile) {
+      const auto items = lock->scheduler.provenance({job_id}, map.of_job(tile));
       if (items.empty()) continue;
       const scheduler::Producer& last = items.back().producer;
-      map.tiles[static_cast<std::size_t>(tile)].worker = map.place_of(last.worker.value, last.name);
+      map.tiles[tile].worker = map.place_of(last.worker.value, last.name);
     }
   }
 }
@@ -104,11 +114,11 @@ void add_leases(farm::Farm& farm, const std::string& job_id, Map& map) {
     const farm::StateLock lock(farm);
     const scheduler::LeasePage page = lock->scheduler.leased_tiles({job_id}, *after, kLeasesAtOnce);
     for (const scheduler::LeasedTile& leased : page.tiles) {
-      if (static_cast<std::size_t>(leased.tile) >= map.tiles.size()) continue;  // of another image
+      MapTile* const tile = map.find(leased.tile);
+      if (tile == nullptr) continue;
       const scheduler::WorkerInfo* const info = lock->scheduler.worker_info(leased.holder);
-      MapTile& tile = map.tiles.at(static_cast<std::size_t>(leased.tile));
-      tile.is_leased = true;
-      tile.worker = map.place_of(leased.holder.value, info == nullptr ? "" : info->name);
+      tile->is_leased = true;
+      tile->worker = map.place_of(leased.holder.value, info == nullptr ? "" : info->name);
     }
     after = page.last;
   }
@@ -131,9 +141,13 @@ Answer get_map(const CallPtr& call) {
   if (!found->snapshot.is_validated)
     return core::fail(core::ErrorCode::kFailedPrecondition,
                       fmt::format("job {} has no image, since its scene was not validated", call->id()));
-  const core::TileGrid grid = farm::grid_of(*found->snapshot.spec).of_image();
-  Map map;
-  map.tiles.resize(static_cast<std::size_t>(grid.tile_count()));
+  const auto image = read_image_index(call->request);
+  if (!image) return core::fail(image.error());
+  const auto source = call->context.tiles.source(call->id(), *image);
+  if (!source) return core::fail(source.error());
+  const scheduler::JobGrid all = farm::grid_of(*found->snapshot.spec);
+  const core::TileGrid& grid = all.of_image();
+  Map map(all, *image);
   if (found->film) {
     found->film->apply();
     add_samples(*found->film, map);
@@ -142,7 +156,7 @@ Answer get_map(const CallPtr& call) {
   } else if (auto added = add_stored_samples(coordinator.store(), call->id(), map); !added) {
     return core::fail(added.error());
   }
-  if (auto added = add_noise(call->context.tiles, call->id(), map); !added) return core::fail(added.error());
+  if (auto added = add_noise(call->context.tiles, **source, map); !added) return core::fail(added.error());
   Json workers = Json::array();
   for (const auto& [id, name] : map.workers) workers.push_back({{"id", id}, {"name", name}});
   const Json head = {{"tile_width", grid.tile_px()},
@@ -153,10 +167,7 @@ Answer get_map(const CallPtr& call) {
   // Tiles are too many for a tree of values each.
   std::string body = proto::to_line(head);
   body.pop_back();
-  body += ",\"tiles\":[" + tiles_text(map) + "]}\n";
-  http::Response response = json_response(Json::object());
-  response.body = std::move(body);
-  return response;
+  return json_text_response(body + ",\"tiles\":[" + tiles_text(map) + "]}");
 }
 
 }  // namespace tessera::http_api

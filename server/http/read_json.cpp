@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -187,6 +188,7 @@ core::Result<v1::SubmitJobRequest> read_submission(const Json& body) {
        {"files", list(take_file)},
        {"overrides",
         [&](const std::string& field, const Json& value) { return read_overrides(field, value, request); }},
+       {"frames", list(integer<std::int32_t>([&](std::int32_t frame) { request.add_frames(frame); }))},
        {"priority", integer<std::int32_t>([&](std::int32_t priority) { request.set_priority(priority); })},
        {"max_workers", integer<std::uint32_t>([&](std::uint32_t most) { request.set_max_workers(most); })},
        {"labels",
@@ -285,7 +287,16 @@ core::Result<v1::GetImageRequest> read_image(const http::Request& request) {
   const auto region = read_region(request);
   if (!region) return core::fail(region.error());
   if (*region) *image.mutable_region() = **region;
+  const auto index = read_image_index(request);
+  if (!index) return core::fail(index.error());
+  image.set_image(*index);
   return image;
+}
+
+core::Result<std::uint32_t> read_image_index(const http::Request& request) {
+  const auto index = read_number(request, "image", std::numeric_limits<std::uint32_t>::max());
+  if (!index) return core::fail(index.error());
+  return static_cast<std::uint32_t>(index->value_or(0));
 }
 
 core::Result<std::optional<std::uint64_t>> read_number(const http::Request& request, const std::string& name,

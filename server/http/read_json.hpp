@@ -27,6 +27,8 @@ core::Result<v1::ListJobsRequest> read_job_list(const http::Request& request);
 core::Result<v1::ListWorkersRequest> read_worker_list(const http::Request& request);
 core::Result<v1::GetImageRequest> read_image(const http::Request& request);
 
+// The index of an image of a job: image=N; 0 if it is absent.
+core::Result<std::uint32_t> read_image_index(const http::Request& request);
 // A parameter of the query; empty if it is absent.
 core::Result<std::optional<std::uint64_t>> read_number(const http::Request& request, const std::string& name,
                                                        std::uint64_t max);

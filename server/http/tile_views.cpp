@@ -3,7 +3,9 @@
 
 #include "core/view/stream_query.hpp"
 #include "server/http/handlers.hpp"
+#include "server/http/read_json.hpp"
 #include "server/http/watch_quota.hpp"
+#include "server/jobs/image_choice.hpp"
 
 namespace tessera::http_api {
 
@@ -38,26 +40,31 @@ class TileBody final : public http::BodySource {
 
 }  // namespace
 
-std::shared_ptr<watch::JobTiles> TileViews::shared(const std::string& job_id) {
+std::shared_ptr<watch::JobTiles> TileViews::shared(const Key& key) {
   const core::MutexLock lock(mutex_);
   if (sources_.size() > kManySources)
     std::erase_if(sources_, [](const auto& entry) { return entry.second.expired(); });
-  std::weak_ptr<watch::JobTiles>& known = sources_[job_id];
+  std::weak_ptr<watch::JobTiles>& known = sources_[key];
   std::shared_ptr<watch::JobTiles> source = known.lock();
-  if (!source) known = source = feed_.tiles_of(job_id);
+  if (!source) known = source = feed_.tiles_of(key.first, key.second);
   return source;
 }
 
-core::Result<std::shared_ptr<watch::JobTiles>> TileViews::source(const std::string& job_id) {
-  auto source = shared(job_id);
-  if (const auto found = source->look(); !found) return core::fail(found.error());
+core::Result<std::shared_ptr<watch::JobTiles>> TileViews::source(const std::string& job_id,
+                                                                 std::uint32_t image) {
+  auto source = shared({job_id, image});
+  const auto found = source->look();
+  if (!found) return core::fail(found.error());
+  if (auto there = jobs::check_image((*found)->shape, image); !there) return core::fail(there.error());
   return source;
 }
 
 Answer watch_tiles(const CallPtr& call) {
   const auto query = view::parse_stream_query(call->request);
   if (!query) return core::fail(query.error());
-  auto source = call->context.tiles.source(call->id());
+  const auto image = read_image_index(call->request);
+  if (!image) return core::fail(image.error());
+  auto source = call->context.tiles.source(call->id(), *image);
   if (!source) return core::fail(source.error());
   auto place = take_watch(*call);
   if (!place) return core::fail(place.error());

@@ -34,8 +34,10 @@ struct CheckedScene {
   std::vector<std::string> warnings{};
 };
 
-// Loads and validates a scene whose blobs are all in the store. May block. UNAVAILABLE after a stop request.
+// Loads and validates a scene, at these frames, whose blobs are all in the store. May block. UNAVAILABLE
+// after a stop request.
 using SceneCheck = std::function<core::Result<CheckedScene>(const v1::Bundle&, const v1::RenderOverrides&,
+                                                            const std::vector<std::int32_t>& frames,
                                                             const std::stop_token& stop)>;
 
 // A job that nobody validates yet.

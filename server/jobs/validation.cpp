@@ -7,6 +7,7 @@
 #include <new>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "core/base/printable.hpp"
 #include "core/common/log.hpp"
@@ -66,6 +67,13 @@ JobSnapshot about_to_be(JobState state, const scheduler::JobShape& shape, const 
   return {record, std::move(view)};
 }
 
+// Of its images.
+std::vector<std::int32_t> frames_of(const v1::Job& spec) {
+  std::vector<std::int32_t> frames;
+  for (const v1::Image& image : spec.images()) frames.push_back(image.frame());
+  return frames;
+}
+
 template <typename Check>
 core::Result<v1::Job> guarded(const Check& check) {
   try {
@@ -102,7 +110,7 @@ core::Status JobService::check_files(const v1::Bundle& bundle, const std::stop_t
 core::Result<v1::Job> JobService::check_scene(const Validation& task) {
   const v1::Bundle& bundle = task.spec->bundle();
   if (auto intact = check_files(bundle, task.stop); !intact) return core::fail(intact.error());
-  auto scene = check_scene_(bundle, task.submission->overrides(), task.stop);
+  auto scene = check_scene_(bundle, task.submission->overrides(), frames_of(*task.spec), task.stop);
   if (!scene) return core::fail(scene.error());
   if (const auto possible = proto::from_proto(scene->settings); !possible)
     return core::fail(possible.error());

@@ -32,9 +32,9 @@ struct ValidationStats {
 // The same check, which counts what it does. `stats` must outlive it.
 inline SceneCheck counted(SceneCheck check, ValidationStats& stats) {
   return [check = std::move(check), &stats](const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
-                                            const std::stop_token& stop) {
+                                            const std::vector<int>& frames, const std::stop_token& stop) {
     const auto begin = std::chrono::steady_clock::now();
-    auto checked = check(bundle, overrides, stop);
+    auto checked = check(bundle, overrides, frames, stop);
     stats.durations.observe(std::chrono::steady_clock::now() - begin);
     if (checked) {
       ++stats.accepted;

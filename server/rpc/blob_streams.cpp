@@ -2,14 +2,18 @@
 #include "server/rpc/blob_streams.hpp"
 
 #include <fmt/format.h>
+#include <google/protobuf/util/time_util.h>
 
 #include <chrono>
 #include <utility>
+#include <variant>
 
 #include "proto/blob.hpp"
+#include "proto/segments.hpp"
 #include "server/auth/peer.hpp"
 #include "server/blobs/admission.hpp"
 #include "server/rpc/reactors.hpp"
+#include "server/rpc/segment_requests.hpp"
 
 namespace tessera::rpc {
 
@@ -178,7 +182,7 @@ void FetchStream::begin() {
   *response_.mutable_chunk()->mutable_digest() = request_.digest();
   const bool posted = pool_.post(guarded_step(*this, [this] {
     if (auto opened = open(); !opened) return fail(opened.error());
-    write_next();
+    request_.has_segment() ? answer_segment_request() : write_next();
   }));
   if (!posted) Finish(busy());
 }
@@ -186,11 +190,43 @@ void FetchStream::begin() {
 core::Status FetchStream::open() {
   const auto digest = proto::from_proto(request_.digest());
   if (!digest) return core::fail(digest.error());
-  auto reader = coordinator_.blobs().read(*digest);
+  digest_ = *digest;
+  auto reader = coordinator_.blobs().read(digest_);
   if (!reader) return core::fail(reader.error());
   reader_.emplace(std::move(*reader));
-  left_bytes_ = digest->size_bytes;
   return {};
+}
+
+void FetchStream::answer_segment_request() {
+  const auto now = coordinator_.farm().options().now();
+  const auto ask = read_segment_request(request_.segment(), digest_, context().peer(), now);
+  if (!ask) return Finish(proto::to_grpc(core::Status(core::fail(ask.error()))));
+  auto source = coordinator_.segments().choose(*ask, now);
+  if (auto* const sending = std::get_if<blobs::SegmentTracker::Sending>(&source)) {
+    if (auto begun = begin_segment(std::move(*sending)); !begun) return fail(begun.error());
+    return write_next();
+  }
+  response_.clear_chunk();
+  if (const auto* const peer = std::get_if<blobs::SegmentTracker::Peer>(&source))
+    *response_.mutable_referral() = referral_to(*peer, digest_, now);
+  else
+    *response_.mutable_retry_after() = google::protobuf::util::TimeUtil::MillisecondsToDuration(
+        std::get<blobs::SegmentTracker::Later>(source).time.count());
+  answer_at_once();
+}
+
+core::Status FetchStream::begin_segment(blobs::SegmentTracker::Sending sending) {
+  const proto::Segment segment = proto::segment_at(digest_.size_bytes, sending.index());
+  sending_.emplace(std::move(sending));
+  *response_.mutable_segment() = proto::to_proto(segment);
+  return reader_->limit_to(segment.offset_bytes, segment.size_bytes);
+}
+
+void FetchStream::answer_at_once() {
+  auto message = serialise(response_);
+  if (!message) return Finish(proto::to_grpc(core::Status(core::fail(message.error()))));
+  bytes_ = *std::move(message);
+  StartWriteAndFinish(&bytes_, grpc::Status::OK);
 }
 
 void FetchStream::OnWriteDone(bool ok) {
@@ -199,7 +235,11 @@ void FetchStream::OnWriteDone(bool ok) {
     waiting_since_.reset();
   }
   if (!ok) return Finish(grpc::Status::CANCELLED);
-  if (left_bytes_ == 0) return Finish(grpc::Status::OK);
+  if (reader_->left_bytes() == 0) {
+    if (sending_) sending_->complete(reader_->read_digest().sha256);
+    return Finish(grpc::Status::OK);
+  }
+  response_.clear_segment();
   response_.mutable_chunk()->clear_digest();
   if (!pool_.post(guarded_step(*this, [this] { write_next(); }))) Finish(busy());
 }
@@ -207,7 +247,6 @@ void FetchStream::OnWriteDone(bool ok) {
 void FetchStream::write_next() {
   auto bytes = reader_->next(proto::kChunkBytes);
   if (!bytes) return fail(bytes.error());
-  left_bytes_ -= bytes->size();
   streams().calls.traffic.blobs_sent += bytes->size();
   response_.mutable_chunk()->set_data(std::move(*bytes));
   auto message = serialise(response_);
@@ -227,8 +266,10 @@ void FetchStream::end_own_wait_since(Clock::time_point time) {
 }
 
 void FetchStream::fail(const core::Error& error) {
-  if (const auto digest = proto::from_proto(request_.digest()))
+  if (const auto digest = proto::from_proto(request_.digest())) {
+    coordinator_.segments().forget(*digest);
     coordinator_.jobs().blob_is_lost(*digest, error);
+  }
   Finish(proto::to_grpc(core::Status(core::fail(error))));
 }
 

@@ -62,7 +62,8 @@ class UploadStream final : public Reactor, private WatchedStream {
   bool ended_ TESSERA_GUARDED_BY(mutex_) = false;  // for lack of progress
 };
 
-// Sends one blob from the store to a worker.
+// Sends one blob from the store to a worker, or one segment of it, or tells the worker which other one has
+// that.
 class FetchStream final : public RequestCall {
  public:
   FetchStream(grpc::CallbackServerContext& context, server::Coordinator& coordinator, base::ThreadPool& pool,
@@ -76,6 +77,11 @@ class FetchStream final : public RequestCall {
   void end_own_wait_since(Clock::time_point time) override;
 
   core::Status open();
+  // Of the answer to a request for a segment: chooses where it comes from.
+  void answer_segment_request();
+  core::Status begin_segment(blobs::SegmentTracker::Sending sending);
+  // Sends the response, which is all, and ends the call.
+  void answer_at_once();
   void write_next();
   // Ends the call, and reports a lost blob to the coordinator.
   void fail(const core::Error& error);
@@ -86,8 +92,9 @@ class FetchStream final : public RequestCall {
   std::optional<base::FairShare::Held> place_;  // its share of streams.fetches
   v1::FetchBlobResponse response_;
   grpc::ByteBuffer bytes_;
+  proto::Digest digest_;
   std::optional<blobs::BlobReader> reader_;
-  std::uint64_t left_bytes_ = 0;
+  std::optional<blobs::SegmentTracker::Sending> sending_;  // the segment, unless it is a whole blob
 
   core::Mutex mutex_;
   // Set while a write is in progress.

@@ -152,13 +152,13 @@ void RequestCall::end_if_waiting_since(Clock::time_point time) {
     if (stage_ == Stage::kAnswering && late) return context_.TryCancel();
     if (stage_ == Stage::kReading && late) {
       stage_ = Stage::kEnded;
-      const std::chrono::duration<double> time =
+      const std::chrono::duration<double> longest =
           streams_.stalls.patience() + time_on_slow_line(admission_.method.max_bytes);
       return Finish(proto::to_grpc(
           core::Error{ErrorCode::kDeadlineExceeded,
                       fmt::format("the message of this call has not come within {} s (tessera-coordinator "
                                   "--stall-seconds): call again",
-                                  time.count())}));
+                                  longest.count())}));
     }
     if (stage_ != Stage::kRunning) return;
   }

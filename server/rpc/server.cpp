@@ -179,7 +179,7 @@ struct Server::Parts {
   std::string last_maintenance_failure TESSERA_GUARDED_BY(maintenance_mutex);
   base::Periodic checkpointer, ticker, validator, reopener, remover, retirer, collector;
   std::jthread store_checker;
-  std::shared_ptr<proto::ServerCertificates> certificates;  // null without TLS
+  std::shared_ptr<proto::Certificates> certificates;  // null without TLS
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<grpc::Server> grpc;
   std::unique_ptr<Listener> listener;  // passes connections to the acceptor
@@ -280,7 +280,7 @@ std::vector<Server::QueueDepth> Server::queue_depths() const {
           {"clearing", parts_->clearing.waiting()}};
 }
 
-proto::ServerCertificates* Server::certificates() {
+proto::Certificates* Server::certificates() {
   return parts_->certificates.get();
 }
 

@@ -51,7 +51,7 @@ class Server {
   // See AuthInterceptor::replace_access(). Not after stop().
   void replace_access(auth::Access access);
   // Null without TLS. Not after stop().
-  proto::ServerCertificates* certificates();
+  proto::Certificates* certificates();
 
   // Answers waiting calls, ends all calls, and writes the last checkpoint. Returns whether that was written.
   core::Status stop();

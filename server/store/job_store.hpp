@@ -116,6 +116,12 @@ class JobStore {
   // Opens the file for reading while nobody else has it open. Writes nothing. Opens damaged files as far as
   // they can be read, and files of earlier releases without upgrading them. All functions that write fail.
   static core::Result<JobStore> open_read_only(const std::filesystem::path& file);
+  // Writes the content of a file, as it is at one moment, to a file that does not exist yet. `is_in_use`:
+  // whether another process has the file open; it reads and writes meanwhile, and its log grows until the
+  // copy is made. DATA_LOSS if the file is missing, or if the log of a file that is not in use is damaged.
+  // Other damage is copied.
+  static core::Status copy(const std::filesystem::path& file, const std::filesystem::path& to,
+                           bool is_in_use);
   static constexpr std::uint64_t kCheckedAtOpening = std::uint64_t{256} << 20;
   JobStore(JobStore&&) noexcept;
   JobStore& operator=(JobStore&&) noexcept;

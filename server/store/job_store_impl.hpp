@@ -48,10 +48,10 @@ struct Reader {
 
 struct JobStore::Impl {
   // `writer`: absent if the file is open for reading only.
-  Impl(std::filesystem::path path, std::optional<Writer> writing, Reader reading)
+  Impl(std::filesystem::path path, std::optional<Writer> writing, Reader reads)
       : file(std::move(path)),
         writer(std::move(writing)),
-        reader(std::move(reading)),
+        reader(std::move(reads)),
         commits([this](std::span<PendingChange* const> group) { apply(group); }) {}
 
   // Writes a change in a transaction, which others may share.

@@ -292,4 +292,15 @@ core::Result<JobStore> JobStore::open_read_only(const std::filesystem::path& fil
   return JobStore(std::move(impl));
 }
 
+core::Status JobStore::copy(const std::filesystem::path& file, const std::filesystem::path& to,
+                            bool is_in_use) {
+  if (is_missing_or_empty(file)) return core::fail(lost(file));
+  // Whoever has it open writes to the log at this moment.
+  if (!is_in_use)
+    if (const auto whole = expect_whole_log(file); !whole) return core::fail(whole.error());
+  auto database = is_in_use ? Database::open_reader(file) : Database::open_read_only(file);
+  if (!database) return core::fail(database.error());
+  return database->copy_to(to);
+}
+
 }  // namespace tessera::store

@@ -189,6 +189,17 @@ void Database::checkpoint_wal_on_close() {
   sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, nullptr);
 }
 
+core::Status Database::copy_to(const std::filesystem::path& file) {
+  auto copy = open(file);
+  if (!copy) return core::fail(copy.error());
+  constexpr int kAllPages = -1;
+  sqlite3_backup* const backup = sqlite3_backup_init(copy->database_.get(), "main", database_.get(), "main");
+  if (backup == nullptr) return core::fail(sqlite_error(copy->database_.get(), file));
+  sqlite3_backup_step(backup, kAllPages);
+  if (sqlite3_backup_finish(backup) == SQLITE_OK) return {};
+  return core::fail(sqlite_error(copy->database_.get(), file));
+}
+
 core::Result<std::vector<std::string>> Database::structural_damage() {
   return check("PRAGMA integrity_check(5)");
 }

@@ -75,6 +75,9 @@ class Database {
   core::Status truncate_wal();
   // For a file that is known to be intact: damage could grow.
   void checkpoint_wal_on_close();
+  // Writes the content, as it is at one moment, to a file that does not exist yet. Others read and write
+  // meanwhile; the log grows until it is done.
+  core::Status copy_to(const std::filesystem::path& file);
   // The damage that SQLite finds in the file's structure: one sentence each, the first few; empty if there is
   // none. Reads the whole file, about a gigabyte in a second. Does not check the content of rows.
   core::Result<std::vector<std::string>> structural_damage();

@@ -28,7 +28,18 @@ core::Status take_lock(const base::Fd& lock, const std::filesystem::path& folder
                     fmt::format("another coordinator runs on {}: {}", folder.string(), what_to_do));
 }
 
+// To run on a backup would change it.
+core::Status expect_no_backup(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!std::filesystem::exists(folder / kBackupListName, error)) return {};
+  return core::fail(core::ErrorCode::kFailedPrecondition,
+                    fmt::format("{} is a backup: make a state folder of it with 'tessera-coordinator "
+                                "--restore {} --state NEW'",
+                                folder.string(), folder.string()));
+}
+
 core::Result<base::Fd> lock_state(const std::filesystem::path& folder, std::string_view what_to_do) {
+  if (auto usable = expect_no_backup(folder); !usable) return core::fail(usable.error());
   const std::filesystem::path path = folder / kLockName;
   base::Fd lock(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
   if (!lock) return core::fail(base::errno_error("opening", path));
@@ -54,7 +65,8 @@ core::Result<base::Fd> lock_existing_state(const std::filesystem::path& folder) 
   base::Fd lock(::open((folder / kLockName).c_str(), O_RDONLY | O_CLOEXEC));
   if (!lock && errno == ENOENT) return lock;
   if (!lock) return core::fail(base::errno_error("opening", folder / kLockName));
-  if (auto taken = take_lock(lock, folder, "end it first, or take a copy of the folder"); !taken)
+  if (auto taken = take_lock(lock, folder, "end it first, or make a backup of the folder with --backup");
+      !taken)
     return core::fail(taken.error());
   return lock;
 }
@@ -62,6 +74,25 @@ core::Result<base::Fd> lock_existing_state(const std::filesystem::path& folder) 
 core::Result<base::Fd> lock_state_to_mend(const std::filesystem::path& folder) {
   if (auto there = expect_state(folder); !there) return core::fail(there.error());
   return lock_state(folder, "end it first");
+}
+
+core::Result<base::Fd> lock_new_state(const std::filesystem::path& folder) {
+  if (auto created = base::create_folder(folder); !created) return core::fail(created.error());
+  auto lock = lock_state(folder, "choose another folder with --state");
+  std::error_code error;
+  if (lock && std::filesystem::exists(folder / kDatabaseName, error))
+    return core::fail(
+        core::ErrorCode::kFailedPrecondition,
+        fmt::format("{} has the state of a coordinator already: choose a new folder with --state",
+                    folder.string()));
+  return lock;
+}
+
+core::Status copy_database(const std::filesystem::path& folder, const std::filesystem::path& copy) {
+  const auto lock = lock_existing_state(folder);
+  const bool has_coordinator = !lock && lock.error().code == core::ErrorCode::kFailedPrecondition;
+  if (!lock && !has_coordinator) return core::fail(lock.error());
+  return JobStore::copy(folder / kDatabaseName, copy, has_coordinator);
 }
 
 core::Result<StateDirectory> StateDirectory::open(const std::filesystem::path& folder) {

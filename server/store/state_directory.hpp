@@ -5,8 +5,8 @@
 //   tessera.db    jobs and films (job_store.hpp)
 //   blobs/        scenes and their assets (blob_store.hpp)
 //
-// A tessera.db-wal beside the database belongs to it: after a crash it has the last few seconds. Copying the
-// folder while no coordinator runs on it is a backup.
+// A tessera.db-wal beside the database belongs to it: after a crash it has the last few seconds. A backup
+// (admin/backup.hpp) has a database, blobs, and a list of both, and no coordinator starts on it.
 #pragma once
 
 #include <filesystem>
@@ -20,17 +20,26 @@ namespace tessera::store {
 
 inline constexpr const char* kDatabaseName = "tessera.db";
 inline constexpr const char* kBlobsName = "blobs";
+// The list of the files of a backup.
+inline constexpr const char* kBackupListName = "tessera-backup.sha256";
 
 // Locks a state for reading: no coordinator can start while the lock is held. Creates nothing; empty for a
 // copy without a lock file. NOT_FOUND if no coordinator has ever run on the folder, FAILED_PRECONDITION if
 // one runs now.
 core::Result<base::Fd> lock_existing_state(const std::filesystem::path& folder);
-// The same for salvaging: creates the lock file if there is none.
+// The same for salvaging: creates the lock file if there is none. FAILED_PRECONDITION for a backup.
 core::Result<base::Fd> lock_state_to_mend(const std::filesystem::path& folder);
+// The same for a state that is to be written: creates the folder. FAILED_PRECONDITION if it has a database.
+core::Result<base::Fd> lock_new_state(const std::filesystem::path& folder);
+
+// Writes the database of a state as it is at one moment to a new file, also while a coordinator runs on the
+// state, which is not delayed. Blocks for the disk. Errors are those of lock_existing_state(), but for a
+// coordinator that runs; DATA_LOSS if the log is damaged.
+core::Status copy_database(const std::filesystem::path& folder, const std::filesystem::path& copy);
 
 struct StateDirectory {
-  // Creates what is missing. FAILED_PRECONDITION if another coordinator runs on it; otherwise the errors of
-  // file.hpp and job_store.hpp.
+  // Creates what is missing. FAILED_PRECONDITION if another coordinator runs on it, or if it is a backup;
+  // otherwise the errors of file.hpp and job_store.hpp.
   static core::Result<StateDirectory> open(const std::filesystem::path& folder);
 
   std::filesystem::path folder;

@@ -4,10 +4,10 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <iostream>
 #include <string>
 #include <vector>
 
+#include "core/cli/parse.hpp"
 #include "core/sandbox/bundle_files.hpp"
 #include "server/validator/options.hpp"
 #include "server/validator/validate.hpp"
@@ -38,11 +38,10 @@ int main(int argc, char** argv) {
   if (const auto ended = sandbox::confine_or_end(options.sandbox, kProgram)) return *ended;
   validator::ValidateRequest request;
   const auto bytes = core::read_asset(core::OpenFile(STDIN_FILENO), "the request");
-  if (!bytes || !request.ParseFromString(*bytes)) {
-    std::cerr << kProgram
-              << ": reads one serialised tessera.validator.ValidateRequest; the coordinator starts it\n";
-    return EXIT_FAILURE;
-  }
+  if (!bytes || !request.ParseFromString(*bytes))
+    return cli::print_error(
+        kProgram,
+        "stdin must have one serialised tessera.validator.ValidateRequest; the coordinator starts it");
   core::BundleAssets assets = sandbox::bundle_files(names_of(request.bundle()));
   const validator::ValidateResponse response = validator::validate(request, assets, options);
   return response.SerializeToFileDescriptor(STDOUT_FILENO) ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -3,12 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <exception>
 #include <new>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/scene/loader/loader.hpp"
+#include "core/scene/pose.hpp"
 #include "core/scene/validation.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
@@ -46,6 +49,9 @@ core::Result<ValidateResponse::Approval> load(const ValidateRequest& request, co
   const auto settings = core::resolve_settings(scene->settings, *overrides);
   if (!settings) return core::fail(settings.error());
   if (auto valid = core::validate_scene(*scene); !valid) return core::fail(valid.error().within(path));
+  const std::vector<std::int32_t> frames(request.frames().begin(), request.frames().end());
+  if (auto valid = core::validate_frames(*scene, frames); !valid)
+    return core::fail(valid.error().within(path));
   ValidateResponse::Approval approval;
   *approval.mutable_settings() = proto::to_proto(*settings);
   *approval.mutable_display() = proto::to_proto(scene->display);

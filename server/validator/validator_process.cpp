@@ -23,10 +23,11 @@ namespace {
 constexpr const char* kName = "tessera-validator";
 constexpr std::size_t kMaxResponseBytes = 1 << 20;
 
-ValidateRequest make_request(const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
+ValidateRequest make_request(const SceneToValidate& scene) {
   ValidateRequest request;
-  *request.mutable_bundle() = bundle;
-  *request.mutable_overrides() = overrides;
+  *request.mutable_bundle() = scene.bundle;
+  *request.mutable_overrides() = scene.overrides;
+  request.mutable_frames()->Add(scene.frames.begin(), scene.frames.end());
   return request;
 }
 
@@ -116,9 +117,9 @@ core::Status check_validator(const std::string& path) {
 }
 
 core::Result<Approval> validate_scene(const ProcessOptions& options, const blobs::BlobStore& blobs,
-                                      const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
+                                      const SceneToValidate& scene) {
   if (options.stop.stop_requested()) return core::fail(stopping());
-  const auto in = sandbox::create_memory_file("request", make_request(bundle, overrides).SerializeAsString());
+  const auto in = sandbox::create_memory_file("request", make_request(scene).SerializeAsString());
   if (!in) return core::fail(in.error());
   const auto out = sandbox::create_memory_file("verdict");
   if (!out) return core::fail(out.error());
@@ -126,7 +127,7 @@ core::Result<Approval> validate_scene(const ProcessOptions& options, const blobs
                                  .arguments = command_line(options),
                                  .timeout = options.limits.validation_time,
                                  .stop = options.stop};
-  const auto ending = sandbox::run(program, {*in, *out, open_assets(blobs, bundle)});
+  const auto ending = sandbox::run(program, {*in, *out, open_assets(blobs, scene.bundle)});
   if (!ending) return core::fail(ending.error());
   if (ending->cause == sandbox::Ending::Cause::kStopRequest) return core::fail(stopping());
   if (ending->cause == sandbox::Ending::Cause::kTimeout) return core::fail(takes_too_long(options.limits));

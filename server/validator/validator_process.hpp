@@ -4,6 +4,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -42,10 +43,17 @@ std::string default_validator_path();
 // FAILED_PRECONDITION if there is no executable at this path: every scene would be refused.
 core::Status check_validator(const std::string& path);
 
+struct SceneToValidate {
+  const v1::Bundle& bundle;
+  const v1::RenderOverrides& overrides;
+  // Each must be one that the scene can be rendered at. Empty: frame 0.
+  const std::vector<std::int32_t>& frames;
+};
+
 // The settings of the bundle. Its blobs must be in `blobs`. Blocks. RESOURCE_EXHAUSTED: the scene exceeds a
 // limit, or could not be loaded within time and memory. INVALID_ARGUMENT also if the validator crashed;
 // INTERNAL if it could not be started; UNAVAILABLE after a stop request.
 core::Result<Approval> validate_scene(const ProcessOptions& options, const blobs::BlobStore& blobs,
-                                      const v1::Bundle& bundle, const v1::RenderOverrides& overrides);
+                                      const SceneToValidate& scene);
 
 }  // namespace tessera::validator

@@ -68,8 +68,8 @@ core::Result<TileUpdate> TileFeed::update(const TileQuery& query) {
       added.set_samples((*tile)->samples);
       added.set_samples_target(source.target(look, change.tile));
       added.set_image(query.image);
-      added.set_pixels_zlib((*tile)->pixels_zlib);
-      bytes += (*tile)->pixels_zlib.size();
+      added.set_pixels_zlib((*tile)->pixels);
+      bytes += (*tile)->pixels.size();
       if (bytes >= query.max_bytes) return update;
     }
     update.is_current = next->size() < kChangesAtOnce;

@@ -44,9 +44,9 @@ class TileFeed {
   TileFeed(farm::Farm& farm, const jobs::FilmReader& films, store::JobStore& store)
       : farm_(farm), films_(films), store_(store), images_(kCacheBytes) {}
 
-  // The tiles of one job. Requests of all who watch it may share the source, or have their own.
-  std::shared_ptr<JobTiles> tiles_of(const std::string& job_id) {
-    return std::make_shared<JobTiles>(farm_, films_, store_, job_id);
+  // The tiles of one image of a job. All who watch it may share the source, or have their own.
+  std::shared_ptr<JobTiles> tiles_of(const std::string& job_id, std::uint32_t image) {
+    return std::make_shared<JobTiles>(farm_, films_, store_, job_id, image);
   }
 
   // INVALID_ARGUMENT: the format is unknown, the region is not within the pixels of the job, or the job has

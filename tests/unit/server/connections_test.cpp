@@ -156,6 +156,13 @@ TEST(ConnectionSlots, AMachineIsAnAddressOrItsNetwork) {
   EXPECT_EQ(auth::client_key("ipv6:[2001:db8:1:2::9]:4242"), "2001:db8:1:2::/64");
   EXPECT_EQ(auth::client_key("ipv6:%5B2001:db8:1:2:3:4:5:6%5D:17"), "2001:db8:1:2::/64");
   EXPECT_EQ(auth::client_key("ipv6:%5Bfe80::1%25eth0%5D:17"), "ipv6:%5Bfe80::1%25eth0%5D");
+  EXPECT_EQ(auth::host_of("ipv4:10.0.0.5:4242"), "10.0.0.5");
+  EXPECT_EQ(auth::host_of("ipv6:%5B2001:db8::5%5D:17"), "[2001:db8::5]");
+  EXPECT_EQ(auth::host_of("ipv6:[::ffff:10.0.0.5]:17"), "10.0.0.5");
+  for (const char* const nothing : {"ipv6:%5Bfe80::1%25eth0%5D:17", "unix:/tmp/socket", "", "ipv4:10.0.0.5"})
+    EXPECT_EQ(auth::host_of(nothing), "") << nothing;
+  EXPECT_TRUE(auth::is_loopback_host("127.0.0.1") && auth::is_loopback_host("[::1]"));
+  EXPECT_FALSE(auth::is_loopback_host("10.0.0.5") || auth::is_loopback_host("[2001:db8::5]"));
 }
 
 TEST(ListeningSockets, HaveOnePortAtAllAddresses) {

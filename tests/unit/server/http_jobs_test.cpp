@@ -83,6 +83,7 @@ TEST_F(HttpJobs, AreRefusedWithTheField) {
   EXPECT_EQ(field(R"({"scene":"x"})"), "scene");
   EXPECT_EQ(field(R"({"priority":"high"})"), "priority");
   EXPECT_EQ(field(R"({"max_workers":-1})"), "max_workers");
+  EXPECT_EQ(field(R"({"frames":[1,"2"]})"), "frames[1]");
   EXPECT_EQ(field(R"({"priority":2147483648})"), "priority");
   EXPECT_EQ(field(R"({"files":[{"path":"a","sha256":"0f"}]})"), "files[0].sha256");
   EXPECT_EQ(field(R"({"overrides":{"integrator":"fast"}})"), "overrides.integrator");
@@ -190,6 +191,65 @@ TEST_F(HttpJobs, HaveImages) {
   EXPECT_EQ(get("/api/v1/jobs/none/image").status, 404);
 }
 
+TEST_F(HttpJobs, HaveSeveralImages) {
+  start_page();
+  const std::string id = submit_page(R"(,"frames":[10,12,7])");
+  const std::string path = "/api/v1/jobs/" + id;
+  EXPECT_EQ(job(id)["image_count"], 3);
+  EXPECT_EQ(job(id)["images"][1]["frame"], 12);
+  while (work_once()) {
+  }
+  const core::PixelRect window{0, 0, server::kWidthPx, server::kHeightPx};
+  std::string thumbnails[3];
+  for (const bool is_stored : {false, true}) {
+    if (is_stored)
+      while (job(id)["state"] != "done") std::this_thread::yield();
+    for (const std::uint32_t image : {0U, 1U, 2U}) {
+      const core::Image expected = server::ready_made_picture(window, server::kSpp, image);
+      const std::string parameter = "image=" + std::to_string(image);
+      EXPECT_TRUE(get(path + "/image?format=pfm&" + parameter).body ==
+                  *core::encode_image(expected, core::ImageFormat::kPfm))
+          << parameter;
+      EXPECT_EQ(get(path + "/pixel?x=100&y=70&" + parameter).json()["value"][1].get<float>(),
+                expected.at(100, 70).g);
+      const auto map = get(path + "/map?" + parameter).json();
+      ASSERT_EQ(map["tiles"].size(), 6u);
+      EXPECT_EQ(map["tiles"][5][0], server::kSpp) << parameter;
+      thumbnails[image] = get(path + "/thumbnail?size=32&" + parameter).body;
+    }
+    EXPECT_THAT(get(path + "/image?format=pfm&image=2").header("Content-Disposition"),
+                HasSubstr("-image2.pfm"));
+    EXPECT_NE(thumbnails[0], thumbnails[1]);
+    EXPECT_NE(thumbnails[1], thumbnails[2]);
+    EXPECT_EQ(get(path + "/thumbnail?size=32").body, thumbnails[0]);
+  }
+  for (const char* what : {"image?format=pfm&", "pixel?x=1&y=1&", "map?", "thumbnail?", "tiles?"}) {
+    const Reply refused = get(path + "/" + what + "image=3");
+    EXPECT_EQ(refused.status, 400) << what;
+    EXPECT_EQ(refused.json()["error"]["field"], "image") << what;
+    EXPECT_EQ(get(path + "/" + what + "image=-1").status, 400) << what;
+  }
+}
+
+// Only tiles of the image that is asked for are leased in its map.
+TEST_F(HttpJobs, HaveMapsOfEachImage) {
+  start_page();
+  v1::SubmitJobRequest request = rpc::submission();
+  for (const int frame : {1, 2}) request.add_frames(frame);
+  const std::string id = submit_now(request);
+  const v1::Lease lease = take_lease();
+  ASSERT_GT(lease.items_size(), 0);
+  int leased[2] = {0, 0}, shown[2] = {0, 0};
+  for (const v1::WorkItem& item : lease.items()) ++leased[item.image()];
+  for (int image = 0; image < 2; ++image) {
+    const auto map = get("/api/v1/jobs/" + id + "/map?image=" + std::to_string(image)).json();
+    for (const auto& tile : map["tiles"]) shown[image] += tile[1].get<int>();
+  }
+  EXPECT_EQ(shown[0], leased[0]);
+  EXPECT_EQ(shown[1], leased[1]);
+  EXPECT_GT(shown[0], 0);
+}
+
 TEST_F(HttpJobs, HaveMapsOfWhoRenders) {
   start_page();
   const std::string id = submit_page();
@@ -217,6 +277,21 @@ TEST_F(HttpJobs, ListWorkersAndDrainThem) {
   EXPECT_EQ(call("POST", "/api/v1/workers/none/drain").status, 404);
   EXPECT_EQ(get("/api/v1/quarantine").json()["entries"], nlohmann::json::array());
   EXPECT_EQ(call("DELETE", "/api/v1/quarantine/none").status, 404);
+}
+
+TEST_F(HttpJobs, ListTheCachesOfWorkers) {
+  start_page();
+  v1::SynchronizeRequest hello = rpc::greeting_with_key('a');
+  const auto cache_after = [&] {
+    coordinator_->dispatcher().synchronize(hello, {.answer = [](const auto&) {}});
+    return get("/api/v1/workers").json()["workers"][0]["cache"].dump();
+  };
+  EXPECT_EQ(cache_after(), "null");
+  hello.mutable_cache()->set_used_bytes(100);
+  hello.mutable_cache()->set_limit_bytes(500);
+  EXPECT_EQ(cache_after(), R"({"limit_bytes":500,"used_bytes":100})");
+  hello.mutable_cache()->set_used_bytes(200);
+  EXPECT_EQ(cache_after(), R"({"limit_bytes":500,"used_bytes":200})");
 }
 
 TEST_F(HttpJobs, AreCountedByRoute) {

@@ -5,7 +5,9 @@
 #include <libdeflate.h>
 
 #include <cstring>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "server/http/farm_events.hpp"
 #include "tests/unit/server/http_service.hpp"
@@ -134,6 +136,61 @@ TEST_F(HttpStreams, OfTilesAreTheHalvesOfTheImage) {
   for (const Frame& frame : rest) EXPECT_NE(frame.header["type"], "tile") << "it has them all";
   EXPECT_EQ(get(path + "?level=99").status, 400);
   EXPECT_EQ(get("/api/v1/jobs/none/tiles").status, 404);
+}
+
+TEST_F(HttpStreams, OfTilesAreThoseOfOneImage) {
+  start_page();
+  v1::SubmitJobRequest request = rpc::submission();
+  for (const int frame : {1, 2}) request.add_frames(frame);
+  const std::string job = submit_now(request);
+  while (work_once()) {
+  }
+  const core::Image expected =
+      server::ready_made_picture({0, 0, server::kWidthPx, server::kHeightPx}, server::kSpp, 1);
+  std::size_t complete = 0;
+  for (const Frame& frame : frames_of(get("/api/v1/jobs/" + job + "/tiles?image=1").body)) {
+    const auto& header = frame.header;
+    if (header["type"] != "tile" || header["level"] != 0 || header["samples"] != server::kSpp) continue;
+    const int x0 = header["x0"], y0 = header["y0"], x1 = header["x1"], y1 = header["y1"];
+    const auto halves = halves_in(frame.payload, static_cast<std::size_t>(3 * (x1 - x0) * (y1 - y0)));
+    EXPECT_EQ(halves.front(), Imath::half(expected.at(x0, y0)[0]).bits());
+    ++complete;
+  }
+  EXPECT_EQ(complete, 6u);
+}
+
+// A reader that stops reading makes no queue of old tiles, delays nobody, and gets the newest ones when it
+// reads on.
+TEST_F(HttpStreams, OfTilesToASlowReaderAreBounded) {
+  constexpr int kSidePx = 640;
+  constexpr std::uint32_t kManySamples = 16;
+  start_page();
+  v1::SubmitJobRequest request = rpc::submission();
+  request.mutable_overrides()->set_width_px(kSidePx);
+  request.mutable_overrides()->set_height_px(kSidePx);
+  request.mutable_overrides()->set_spp(kManySamples);
+  const std::string job = submit_now(request);
+  const std::string path = "/api/v1/jobs/" + job + "/tiles";
+  http::RawClient slow(page_->address(), 256 << 10);
+  ASSERT_TRUE(
+      slow.send("GET " + path + " HTTP/1.1\r\nHost: " + page_->address() + "\r\nConnection: close\r\n\r\n"));
+  std::string received = slow.receive_until("\"type\":\"job\"");
+  // Passes of 1, 1, 2, 4 and 8 samples change every tile, each by more than 1.5 MiB of noise in all.
+  while (work_once()) EXPECT_EQ(get("/api/v1/jobs/" + job).status, 200);
+  const std::string others = http::unchunked(send("GET", path, {}, {})->receive_all());
+  EXPECT_EQ(frames_of(others).back().header["type"], "end");
+  EXPECT_GT(others.size(), std::size_t{3} << 19);
+  const std::uint64_t sent = server_->services().streams.calls.traffic.watched_sent;
+  EXPECT_LT(sent - others.size(), std::uint64_t{6} << 20) << "what the buffers of the sockets hold";
+  received += slow.receive_all();
+  const std::vector<Frame> frames = frames_of(http::unchunked(received));
+  EXPECT_EQ(frames.back().header["type"], "end");
+  std::map<std::pair<int, int>, std::uint32_t> newest;
+  for (const Frame& frame : frames)
+    if (frame.header["type"] == "tile" && frame.header["level"] == 0)
+      newest[{frame.header["x0"], frame.header["y0"]}] = frame.header["samples"];
+  EXPECT_EQ(newest.size(), 100u);
+  for (const auto& [corner, samples] : newest) EXPECT_EQ(samples, kManySamples);
 }
 
 TEST_F(HttpStreams, AreLimitedWithThoseOfGrpc) {

@@ -79,6 +79,30 @@ TEST_F(JobImages, HaveSamplesOfTheirOwn) {
   }
 }
 
+// Frames are images of one job: its scene is stored once.
+TEST_F(JobImages, ShareTheFilesOfTheScene) {
+  std::vector<int> turn(12);
+  for (std::size_t i = 0; i < turn.size(); ++i) turn[i] = static_cast<int>(i) + 1;
+  const auto files_in = [](const std::filesystem::path& folder) {
+    std::size_t count = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+      count += entry.is_regular_file();
+    return count;
+  };
+  std::vector<std::int32_t> checked;
+  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
+                     const std::vector<std::int32_t>& frames, const std::stop_token&) {
+    checked = frames;
+    return accept_scene(bundle, overrides);
+  };
+  open();
+  const std::string id = submit(submission_of(turn));
+  EXPECT_EQ(job(id).image_count(), 12u);
+  EXPECT_EQ(job(id).bundle().assets_size(), 1);
+  EXPECT_EQ(files_in(folder_.path() / "state" / "blobs"), 1u);
+  EXPECT_EQ(checked, std::vector<std::int32_t>(turn.begin(), turn.end()));
+}
+
 TEST_F(JobImages, AreRenderedInTheirOrder) {
   const std::string id = submit(submission_of({1, 2}));
   work('a', 1);

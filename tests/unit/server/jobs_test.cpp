@@ -20,6 +20,7 @@ class Jobs : public ScriptedFarm {};
 
 core::Result<jobs::CheckedScene> accept_as_larger_than_allowed(const v1::Bundle& bundle,
                                                                const v1::RenderOverrides& overrides,
+                                                               const std::vector<std::int32_t>&,
                                                                const std::stop_token&) {
   jobs::CheckedScene scene = *accept_scene(bundle, overrides);
   scene.settings.set_width_px(32768);
@@ -102,7 +103,7 @@ TEST_F(Jobs, ABundleWithoutItsSceneOrWithAPathTwiceIsRefused) {
 }
 
 TEST_F(Jobs, ASceneThatIsRefusedFailsItsJob) {
-  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&,
+  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&, const std::vector<std::int32_t>&,
                     const std::stop_token&) -> core::Result<jobs::CheckedScene> {
     return core::fail(ErrorCode::kInvalidArgument, "scene.json:3: no camera");
   };
@@ -127,7 +128,8 @@ TEST_F(Jobs, APictureTooLargeForTheFarmIsRefused) {
 }
 
 TEST_F(Jobs, KeepHowTheirSceneIsShownUnlessTheSubmissionSaysOtherwise) {
-  check_scene_ = [](const v1::Bundle& bundle, const v1::RenderOverrides& overrides, const std::stop_token&) {
+  check_scene_ = [](const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
+                    const std::vector<std::int32_t>&, const std::stop_token&) {
     jobs::CheckedScene scene = *accept_scene(bundle, overrides);
     scene.display.set_exposure_stops(2);
     scene.display.set_tone_curve(v1::TONE_CURVE_AGX);
@@ -259,7 +261,8 @@ TEST_F(Jobs, TakeTheirFilesWithThemWhenTheyAreDeleted) {
 // However long the submission takes, and whatever the system time is then.
 TEST_F(Jobs, KeepTheirFilesWhileTheyAreSubmitted) {
   const auto blob = coordinator().blobs().path(proto::digest_of(kSceneBytes));
-  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides, const std::stop_token&) {
+  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
+                     const std::vector<std::int32_t>&, const std::stop_token&) {
     std::filesystem::last_write_time(blob,
                                      std::filesystem::file_time_type::clock::now() - std::chrono::hours(25));
     std::thread([this] { coordinator().files().collect(); }).join();

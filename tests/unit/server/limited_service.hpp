@@ -90,7 +90,7 @@ class LimitedService : public testing::Test {
   void pass(std::chrono::minutes time) { passed_ = passed_.load() + time; }
   void hold_up_scenes() {
     check_scene_ = [this](const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
-                          const std::stop_token&) {
+                          const std::vector<std::int32_t>&, const std::stop_token&) {
       barrier_.wait();
       return server::accept_scene(bundle, overrides);
     };

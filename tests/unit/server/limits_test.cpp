@@ -134,7 +134,8 @@ TEST_F(Limits, AFinishedJobThatIsExtendedIsOpenAgain) {
 }
 
 TEST_F(Limits, JobsThatAreBeingCheckedCountAsOpen) {
-  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides, const std::stop_token&) {
+  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
+                     const std::vector<std::int32_t>&, const std::stop_token&) {
     expect_limit(refusal(submission()), "there are 1 unfinished jobs already");
     return accept_scene(bundle, overrides);
   };
@@ -143,7 +144,7 @@ TEST_F(Limits, JobsThatAreBeingCheckedCountAsOpen) {
 }
 
 TEST_F(Limits, ASceneThatIsRefusedLeavesItsPlaceToOthers) {
-  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&,
+  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&, const std::vector<std::int32_t>&,
                     const std::stop_token&) -> core::Result<jobs::CheckedScene> {
     return core::fail(ErrorCode::kInvalidArgument, "bad");
   };
@@ -153,7 +154,8 @@ TEST_F(Limits, ASceneThatIsRefusedLeavesItsPlaceToOthers) {
 
 TEST_F(Limits, NothingIsHashedForACoordinatorThatStops) {
   bool checked = false;
-  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides, const std::stop_token&) {
+  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
+                     const std::vector<std::int32_t>&, const std::stop_token&) {
     checked = true;
     return accept_scene(bundle, overrides);
   };

@@ -30,6 +30,15 @@ farm::Totals totals_with(std::uint64_t missing, std::uint64_t busy, double speed
   return totals;
 }
 
+TEST(Totals, AreALineForTheServiceManager) {
+  farm::Totals totals = totals_with(0, 10, 0);
+  totals.validating_jobs = 1;
+  totals.scheduler.jobs[static_cast<std::size_t>(scheduler::JobState::kRunning)] = 2;
+  totals.scheduler.workers[static_cast<std::size_t>(scheduler::WorkerActivity::kIdle)] = 2;
+  totals.scheduler.workers[static_cast<std::size_t>(scheduler::WorkerActivity::kSilent)] = 5;
+  EXPECT_EQ(farm::summary_of(totals), "2 jobs running, 1 validating; 12 workers, 10 of them busy");
+}
+
 TEST(BacklogMeter, CountsTheSecondsOfOneWorker) {
   BacklogMeter meter;
   const BacklogMeter::Clock::time_point start{};

@@ -78,7 +78,8 @@ TEST_F(SceneLimits, NoSubmitterFillsTheQueueOfScenes) {
 
 TEST_F(SceneLimits, ARepeatedSubmissionStartsNoSecondValidation) {
   std::atomic<int> checked{0};
-  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides, const std::stop_token&) {
+  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
+                     const std::vector<std::int32_t>&, const std::stop_token&) {
     ++checked;
     barrier_.wait();
     return server::accept_scene(bundle, overrides);
@@ -95,7 +96,7 @@ TEST_F(SceneLimits, ARepeatedSubmissionStartsNoSecondValidation) {
 
 // As if the process of the validator were killed.
 jobs::SceneCheck check_until_stopped(std::atomic<int>& stopped) {
-  return [&](const v1::Bundle&, const v1::RenderOverrides&,
+  return [&](const v1::Bundle&, const v1::RenderOverrides&, const std::vector<std::int32_t>&,
              const std::stop_token& stop) -> core::Result<jobs::CheckedScene> {
     std::promise<void> asked;
     const std::stop_callback at_stop(stop, [&] { asked.set_value(); });
@@ -173,7 +174,7 @@ TEST_F(SceneLimits, PicturesAndExtensionsDoNotWaitForScenes) {
 
 TEST_F(SceneLimits, StoppingDoesNotWorkOffTheScenesThatWait) {
   std::atomic<int> checked{0};
-  check_scene_ = [&](const v1::Bundle&, const v1::RenderOverrides&,
+  check_scene_ = [&](const v1::Bundle&, const v1::RenderOverrides&, const std::vector<std::int32_t>&,
                      const std::stop_token&) -> core::Result<jobs::CheckedScene> {
     ++checked;
     barrier_.wait();

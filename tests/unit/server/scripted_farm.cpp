@@ -71,7 +71,7 @@ core::Image ready_made_picture(int width_px, int height_px, std::uint32_t spp) {
 }
 
 core::Result<jobs::CheckedScene> accept_scene(const v1::Bundle&, const v1::RenderOverrides& overrides,
-                                              const std::stop_token&) {
+                                              const std::vector<std::int32_t>&, const std::stop_token&) {
   core::RenderSettings settings;
   settings.width_px = kWidthPx;
   settings.height_px = kHeightPx;

@@ -28,6 +28,7 @@ core::Image ready_made_picture(int width_px, int height_px, std::uint32_t spp);
 // Accepts any scene: 150 x 100 pixels, 6 samples per pixel, overrides applied. 3 x 2 tiles, of which 4 are
 // cropped.
 core::Result<jobs::CheckedScene> accept_scene(const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
+                                              const std::vector<std::int32_t>& frames = {},
                                               const std::stop_token& stop = {});
 inline constexpr int kWidthPx = 150, kHeightPx = 100;
 inline constexpr std::uint32_t kSpp = 6;

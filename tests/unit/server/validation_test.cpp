@@ -87,7 +87,8 @@ TEST_F(Validation, IsOfOneAtATime) {
 
 TEST_F(Validation, WithoutAResultIsRepeatedLater) {
   bool is_stopping = true;
-  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides, const std::stop_token&) {
+  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
+                     const std::vector<std::int32_t>&, const std::stop_token&) {
     if (is_stopping) return core::Result<jobs::CheckedScene>(core::fail(ErrorCode::kUnavailable, "stopped"));
     return accept_scene(bundle, overrides);
   };
@@ -204,7 +205,8 @@ TEST_F(Validation, JobsThatEndInItLeaveTheMemoryWithoutAnImage) {
 }
 
 TEST_F(Validation, KeepsWarnings) {
-  check_scene_ = [](const v1::Bundle& bundle, const v1::RenderOverrides& overrides, const std::stop_token&) {
+  check_scene_ = [](const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
+                    const std::vector<std::int32_t>&, const std::stop_token&) {
     jobs::CheckedScene scene = *accept_scene(bundle, overrides);
     scene.warnings = {"a texture is missing"};
     return core::Result<jobs::CheckedScene>(scene);
@@ -226,7 +228,7 @@ TEST_F(Validation, FailsAJobWhoseFileIsDamaged) {
 }
 
 TEST_F(Validation, OfAnExceptionFailsTheJob) {
-  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&,
+  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&, const std::vector<std::int32_t>&,
                     const std::stop_token&) -> core::Result<jobs::CheckedScene> {
     throw std::runtime_error("no such thing");
   };

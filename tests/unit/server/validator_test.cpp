@@ -31,7 +31,9 @@ class Validator : public testing::Test {
     add_file(path, read_file(std::filesystem::path(TESSERA_SOURCE_DIR) / "scenes/cornell" / path));
   }
 
-  core::Result<Approval> validate() { return validate_scene(options_, blobs_, bundle_, overrides_); }
+  core::Result<Approval> validate() {
+    return validate_scene(options_, blobs_, {bundle_, overrides_, frames_});
+  }
   core::Error refusal() {
     const auto approval = validate();
     EXPECT_FALSE(approval);
@@ -65,7 +67,19 @@ class Validator : public testing::Test {
     return bundle;
   }();
   v1::RenderOverrides overrides_;
+  std::vector<std::int32_t> frames_;
 };
+
+TEST_F(Validator, RefusesFramesThatCannotBeRendered) {
+  add_file("scene.json", R"({"camera": {"position": {"keyframes": [{"frame": 0, "value": [0, 0, 4]},
+                                                                   {"frame": 8, "value": [0, 0, -4]}]},
+                                        "look_at": [0, 0, 0]},
+    "materials": {"m": {"type": "lambert"}}, "shapes": [{"type": "sphere", "radius": 1, "material": "m"}]})");
+  frames_ = {1, 2, 8};
+  EXPECT_TRUE(validate());
+  frames_ = {1, 2, 4};
+  EXPECT_EQ(refusal().message, "scene.json: frame 4: camera.look_at: must differ from camera.position");
+}
 
 TEST_F(Validator, AnswersWithTheSettingsOverridesApplied) {
   add_scene_file("scene.json");
