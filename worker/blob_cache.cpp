@@ -5,21 +5,16 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <span>
-#include <string_view>
 #include <system_error>
 
 #include "core/scene/cache/block_file.hpp"
 #include "core/scene/cache/cache_folder.hpp"
 #include "core/scene/cache/scene_store.hpp"
-#include "proto/status.hpp"
-#include "worker/waiting.hpp"
 
 namespace tessera::worker {
 namespace {
@@ -29,10 +24,6 @@ using core::fail;
 
 // The length of a SHA-256.
 constexpr std::size_t kHexDigits = 64;
-// The timeout for one chunk of a blob, of up to a mebibyte, so that lines of a few kilobytes a second
-// suffice. The channel's keepalive detects a peer that vanished long before.
-constexpr auto kMaxSilence = std::chrono::minutes(5);
-
 core::Error cannot_write(const std::string& path) {
   return {ErrorCode::kInternal, fmt::format("cannot write {}: {}", path, std::strerror(errno))};
 }
@@ -47,22 +38,6 @@ double in_gib(std::uint64_t bytes) {
 }
 
 }  // namespace
-
-bool holds(const core::OpenFile& file, const proto::Digest& digest) {
-  const off_t size = ::lseek(file.get(), 0, SEEK_END);
-  if (size < 0 || static_cast<std::uint64_t>(size) != digest.size_bytes) return false;
-  proto::Hasher hasher;
-  std::string buffer(std::min<std::uint64_t>(digest.size_bytes, proto::kMaxChunkBytes), '\0');
-  while (hasher.size_bytes() < digest.size_bytes) {
-    const std::string_view piece =
-        std::string_view(buffer).substr(0, digest.size_bytes - hasher.size_bytes());
-    if (!core::read_at(file.get(), std::as_writable_bytes(std::span(buffer).first(piece.size())),
-                       hasher.size_bytes()))
-      return false;
-    hasher.update(piece);
-  }
-  return hasher.finish() == digest;
-}
 
 core::Result<BlobCache> BlobCache::open(const std::string& folder, std::uint64_t max_bytes) {
   if (core::Status usable = core::make_folder(folder); !usable) return fail(usable.error());
@@ -92,8 +67,7 @@ std::string BlobCache::path_of(const proto::Digest& digest) const {
   return folder_ + "/" + digest.hex();
 }
 
-core::Result<std::string> BlobCache::get(const proto::Digest& digest, const InUse& in_use,
-                                         v1::WorkerService::StubInterface& coordinator,
+core::Result<std::string> BlobCache::get(const proto::Digest& digest, const InUse& in_use, BlobSource& source,
                                          const std::stop_token& stop) const {
   const std::string path = path_of(digest);
   const core::OpenFile known(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
@@ -102,14 +76,12 @@ core::Result<std::string> BlobCache::get(const proto::Digest& digest, const InUs
     return path;
   }
   const std::string partial = core::partial_path_of(path);
-  core::Status done = download(digest, partial, in_use, coordinator, stop);
-  if (done && std::rename(partial.c_str(), path.c_str()) != 0) done = fail(cannot_write(path));
-  if (!done) {
+  if (core::Status done = download(digest, partial, in_use, source, stop); !done) {
     std::remove(partial.c_str());
     return fail(done.error());
   }
-  ++fetched_->files;
-  fetched_->bytes += digest.size_bytes;
+  ++traffic_->files;
+  traffic_->received_bytes += digest.size_bytes;
   return path;
 }
 
@@ -122,43 +94,27 @@ core::Status BlobCache::make_room(const InUse& in_use) const {
                           folder_, in_gib(max_bytes_)));
 }
 
-core::Status BlobCache::download(const proto::Digest& digest, const std::string& path, const InUse& in_use,
-                                 v1::WorkerService::StubInterface& coordinator,
-                                 const std::stop_token& stop) const {
-  const core::OpenFile file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
-  if (!file.valid()) return fail(cannot_write(path));
-  // With its full size it counts in the folder, also for other workers that are making room.
-  if (::ftruncate(file.get(), static_cast<off_t>(digest.size_bytes)) != 0) return fail(cannot_write(path));
+core::Status BlobCache::download(const proto::Digest& digest, const std::string& partial_path,
+                                 const InUse& in_use, BlobSource& source, const std::stop_token& stop) const {
+  const auto partial = PartialBlob::create(partial_path, digest);
+  if (!partial) return fail(partial.error());
   if (core::Status room = make_room(in_use); !room) return room;
-  std::uint64_t size = 0;
-  proto::BlobReceiver receiver(digest, [&](std::string_view bytes) -> core::Status {
-    if (!core::write_at(file.get(), std::as_bytes(std::span(bytes)), size)) return fail(cannot_write(path));
-    size += bytes.size();
-    return {};
-  });
+  const PartialBlobs::Listing listing(*partial_blobs_, *partial);
+  if (core::Status fetched = source.fetch(**partial, stop); !fetched) return fetched;
+  const std::string path = path_of(digest);
+  if (std::rename(partial_path.c_str(), path.c_str()) != 0) return fail(cannot_write(path));
+  return {};
+}
 
-  StoppableCall call(stop);
-  StallGuard guard(*call.context(), kMaxSilence);
-  call.context()->set_wait_for_ready(true);
-  v1::FetchBlobRequest request;
-  *request.mutable_digest() = proto::to_proto(digest);
-  const auto stream = coordinator.FetchBlob(call.context(), request);
-  v1::FetchBlobResponse response;
-  core::Status taken;
-  while (taken && stream->Read(&response)) {
-    guard.progressed();
-    taken = receiver.accept(response.chunk());
-  }
-  if (!taken) call.context()->TryCancel();
-  const grpc::Status finished = stream->Finish();
-  if (!taken) return taken;
-  if (finished.error_code() == grpc::StatusCode::CANCELLED && !stop.stop_requested())
-    return fail(ErrorCode::kUnavailable,
-                "the coordinator ended the download: it is stopping, or for long too little was taken here");
-  if (!finished.ok()) return fail(proto::error_from_grpc(finished, *call.context()));
-
-  const auto received = receiver.finish();
-  return received ? core::Status{} : fail(received.error());
+std::optional<std::string> BlobCache::read_segment(const proto::Digest& digest, const proto::Segment& segment,
+                                                   std::chrono::milliseconds timeout) const {
+  if (const auto partial = partial_blobs_->find(digest)) return partial->read(segment, timeout);
+  const core::OpenFile file(::open(path_of(digest).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  std::string bytes(file.valid() ? segment.size_bytes : 0, '\0');
+  if (!file.valid() ||
+      !core::read_at(file.get(), std::as_writable_bytes(std::span(bytes)), segment.offset_bytes))
+    return std::nullopt;
+  return bytes;
 }
 
 }  // namespace tessera::worker

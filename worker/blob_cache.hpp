@@ -6,23 +6,23 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <set>
 #include <stop_token>
 #include <string>
 
 #include "core/base/error.hpp"
-#include "core/base/open_file.hpp"
 #include "proto/blob.hpp"
-#include "tessera/v1/worker_service.grpc.pb.h"
+#include "proto/segments.hpp"
+#include "worker/blob_source.hpp"
+#include "worker/partial_blob.hpp"
 
 namespace tessera::worker {
 
 inline constexpr std::uint64_t kDefaultCacheBytes = std::uint64_t{16} << 30;
-
-// Whether the open file has the bytes of this digest. Reads all of it.
-bool holds(const core::OpenFile& file, const proto::Digest& digest);
 
 class BlobCache {
  public:
@@ -36,23 +36,28 @@ class BlobCache {
   std::uint64_t max_bytes() const { return max_bytes_; }
   // The bytes of all blobs and stored scenes in the folder, as far as they can be read.
   std::uint64_t used_bytes() const;
-  // What was fetched from the coordinator; copies of this object count together.
-  struct Fetched {
-    std::atomic<std::uint64_t> files{0}, bytes{0};
+  // What was fetched, and what of it other workers sent; what was sent to other workers. Copies of this
+  // object count together.
+  struct Traffic {
+    std::atomic<std::uint64_t> files{0}, received_bytes{0}, peer_received_bytes{0}, peer_sent_bytes{0};
   };
-  const Fetched& fetched() const { return *fetched_; }
+  Traffic& traffic() const { return *traffic_; }
   // Whether a file in the folder is a blob or a stored scene.
   static bool is_file_name(const std::string& name);
 
   // The digests of files that are not removed, in hexadecimal.
   using InUse = std::set<std::string>;
 
-  // The path of the blob's file, which is fetched from the coordinator if it is missing. Blocks; returns soon
-  // after a stop. Errors are those of FetchBlob, CANCELLED after a stop, INTERNAL if the file cannot be
-  // written, RESOURCE_EXHAUSTED if the files in use leave no room for it.
-  core::Result<std::string> get(const proto::Digest& digest, const InUse& in_use,
-                                v1::WorkerService::StubInterface& coordinator,
+  // The path of the blob's file, which is fetched from the source if it is missing. Blocks; returns soon
+  // after a stop. Errors are those of the source, INTERNAL if the file cannot be written, RESOURCE_EXHAUSTED
+  // if the files in use leave no room for it.
+  core::Result<std::string> get(const proto::Digest& digest, const InUse& in_use, BlobSource& source,
                                 const std::stop_token& stop) const;
+
+  // A segment of a blob that is here or being fetched. In the second case, waits for it. Empty after the
+  // timeout, and if there is no such blob. Not verified.
+  std::optional<std::string> read_segment(const proto::Digest& digest, const proto::Segment& segment,
+                                          std::chrono::milliseconds timeout) const;
 
  private:
   BlobCache(std::string folder, std::uint64_t max_bytes)
@@ -60,12 +65,13 @@ class BlobCache {
 
   std::string path_of(const proto::Digest& digest) const;
   core::Status make_room(const InUse& in_use) const;
-  core::Status download(const proto::Digest& digest, const std::string& path, const InUse& in_use,
-                        v1::WorkerService::StubInterface& coordinator, const std::stop_token& stop) const;
+  core::Status download(const proto::Digest& digest, const std::string& partial_path, const InUse& in_use,
+                        BlobSource& source, const std::stop_token& stop) const;
 
   std::string folder_;
   std::uint64_t max_bytes_;
-  std::shared_ptr<Fetched> fetched_ = std::make_shared<Fetched>();
+  std::shared_ptr<Traffic> traffic_ = std::make_shared<Traffic>();
+  std::shared_ptr<PartialBlobs> partial_blobs_ = std::make_shared<PartialBlobs>();
 };
 
 }  // namespace tessera::worker

@@ -77,10 +77,14 @@ core::Result<std::shared_ptr<const Job>> FetchLoop::fetch(const v1::JobSpec& spe
   const auto settings = proto::from_proto(spec.settings());
   if (!settings) return core::fail(settings.error());
   Job job{spec.job_id(), *settings, {bundle_key(spec.bundle()), spec.bundle().scene_path(), {}}};
+  for (const v1::Image& image : spec.images()) job.frames.push_back(image.frame());
   const BlobCache::InUse in_use = files_in_use(spec.bundle());
   // A file may have several names; it is fetched and checked once.
   std::map<std::string, std::string> fetched;
-  for (const v1::Bundle::Asset& asset : spec.bundle().assets()) {
+  const int count = spec.bundle().assets_size();
+  for (int i = 0; i < count; ++i) {
+    const auto index = (start_ + static_cast<std::size_t>(i)) % static_cast<std::size_t>(count);
+    const v1::Bundle::Asset& asset = spec.bundle().assets(static_cast<int>(index));
     const auto digest = proto::from_proto(asset.digest());
     if (!digest) return core::fail(digest.error().within(asset.path()));
     const auto [known, is_new] = fetched.try_emplace(asset.digest().SerializeAsString());
@@ -109,7 +113,7 @@ core::Result<std::string> FetchLoop::fetch_blob(const proto::Digest& digest, con
   core::Result<std::string> path;
   const auto policy = proto::transient_only(proto::exponential_backoff());
   const core::Status done = proto::retry(policy, waiter_until(stop), [&]() -> core::Status {
-    path = cache_.get(digest, in_use, coordinator_, stop);
+    path = cache_.get(digest, in_use, source_, stop);
     return path ? core::Status{} : core::fail(path.error());
   });
   return done ? path : core::fail(done.error());

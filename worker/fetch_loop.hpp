@@ -2,6 +2,7 @@
 // Fetches the files of leased jobs into the cache before they are rendered. Runs on one thread.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <stop_token>
 
@@ -14,9 +15,10 @@ namespace tessera::worker {
 
 class FetchLoop {
  public:
-  FetchLoop(const BlobCache& cache, v1::WorkerService::StubInterface& coordinator,
-            LeaseTracker& lease_tracker)
-      : cache_(cache), coordinator_(coordinator), lease_tracker_(lease_tracker) {}
+  // All three must outlive it. Each job's files are fetched in the order of its bundle, beginning with file
+  // `start` modulo their number: workers that begin at different ones soon have what the others lack.
+  FetchLoop(const BlobCache& cache, BlobSource& source, LeaseTracker& lease_tracker, std::size_t start = 0)
+      : cache_(cache), source_(source), lease_tracker_(lease_tracker), start_(start) {}
 
   // Returns after a stop. Temporary errors are retried. A job whose files cannot be fetched is logged, and
   // its leases are given back. A job whose files are larger than the cache is declined.
@@ -33,8 +35,9 @@ class FetchLoop {
                                        const std::stop_token& stop);
 
   const BlobCache& cache_;
-  v1::WorkerService::StubInterface& coordinator_;
+  BlobSource& source_;
   LeaseTracker& lease_tracker_;
+  const std::size_t start_;
 };
 
 }  // namespace tessera::worker

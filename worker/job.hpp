@@ -2,8 +2,10 @@
 // A job whose scene files are in the cache. Immutable.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "core/scene/settings.hpp"
 #include "proto/blob.hpp"
@@ -28,6 +30,10 @@ struct Job {
   // The settings that determine the image; leases name the samples to render.
   core::RenderSettings settings;
   SceneFiles files;
+  // Of the images that items name, by their numbers; empty: one image, of frame 0.
+  std::vector<std::int32_t> frames{};
+
+  std::int32_t frame_of(std::uint32_t image) const { return image < frames.size() ? frames[image] : 0; }
 };
 
 // The SceneFiles::key of a bundle.

@@ -1,15 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The worker's leases, from the coordinator to delivery, and their jobs. The worker's threads share only this
-// object. Thread-safe; functions that block say so.
-//
-// The stages of a job before its leases are rendered:
-//
-//   WANTED ──files fetched──▶ READY ──scene cannot be built──▶ UNUSABLE
-//      │  ◀───────────────── lease given back ─────────────────── ▲
-//      └────────── files cannot be fetched, or are too large ─────┘
-//
-// Leases of an unusable job are given back after a delay that grows with every failure, since the coordinator
-// may lease the job to this worker again.
+// The worker's leases, from the coordinator to delivery, and their jobs (held_jobs.hpp). The worker's threads
+// share only this object. Thread-safe; functions that block say so.
 #pragma once
 
 #include <condition_variable>
@@ -26,17 +17,12 @@
 
 #include "core/base/mutex.hpp"
 #include "tessera/v1/worker_service.pb.h"
+#include "worker/held_jobs.hpp"
 #include "worker/held_lease.hpp"
 #include "worker/job.hpp"
+#include "worker/lease_messages.hpp"
 
 namespace tessera::worker {
-
-// Samples to render.
-struct Piece {
-  std::uint64_t lease_id = 0;
-  std::shared_ptr<const Job> job;
-  WorkItem item;
-};
 
 // A piece that is rendered although nobody wants it any more: its lease was taken away, its job has ended, or
 // the worker is stopping.
@@ -58,13 +44,11 @@ class LeaseTracker {
   struct Options {
     // More than one, so that the first is rendered while the scenes of the others are fetched.
     std::uint32_t wanted_leases = 2;
-    // How long a lease of an unusable job is kept before it is given back: after the first failure, and at
-    // most.
-    Duration first_delay = std::chrono::seconds(1), longest_delay = std::chrono::seconds(30);
+    HeldJobs::Delays delays{};
   };
 
   LeaseTracker() : LeaseTracker(Options{}) {}
-  explicit LeaseTracker(Options options) : options_(options) {}
+  explicit LeaseTracker(Options options) : options_(options), jobs_(options.delays) {}
 
   // ---- For the thread that synchronises ----
 
@@ -127,28 +111,9 @@ class LeaseTracker {
  private:
   using Clock = std::chrono::steady_clock;
 
-  enum class Stage { kWanted, kFetching, kReady, kUnusable };
-  struct JobEntry {
-    v1::JobSpec spec;
-    Stage stage = Stage::kWanted;
-    std::shared_ptr<const Job> job;  // set in READY
-    int failures = 0;
-    std::string decline_reason;        // the reason in UNUSABLE
-    Clock::time_point give_back_at{};  // set in UNUSABLE
-    std::string trouble;               // the last reason why it was not rendered; empty once it is
-    Clock::time_point trouble_at{};
-  };
-
   HeldLease* find_lease(std::uint64_t id) TESSERA_REQUIRES(mutex_);
-  bool add_job(const v1::JobSpec& spec) TESSERA_REQUIRES(mutex_);
   bool add_lease(const v1::Lease& lease) TESSERA_REQUIRES(mutex_);
-  bool is_unusable(const std::string& job_id) const TESSERA_REQUIRES(mutex_);
-  void make_unusable(const std::string& job_id, const std::string& trouble) TESSERA_REQUIRES(mutex_);
-  void make_declined(const std::string& job_id, const std::string& why) TESSERA_REQUIRES(mutex_);
   bool holds_any_of(const std::string& job_id) const TESSERA_REQUIRES(mutex_);
-  void report_activity(v1::SynchronizeRequest& request) const TESSERA_REQUIRES(mutex_);
-  void report_troubles(v1::SynchronizeRequest& request) const TESSERA_REQUIRES(mutex_);
-  void forget_idle_jobs() TESSERA_REQUIRES(mutex_);
   HeldLease* next_renderable() TESSERA_REQUIRES(mutex_);
   HeldLease* next_sendable(Clock::time_point now) TESSERA_REQUIRES(mutex_);
   Delivery batch_of(HeldLease& lease) const TESSERA_REQUIRES(mutex_);
@@ -176,7 +141,7 @@ class LeaseTracker {
   bool has_rendered_ TESSERA_GUARDED_BY(mutex_) = false;     // has finished any piece
   bool has_abandoned_ TESSERA_GUARDED_BY(mutex_) = false;    // gave up the piece in progress
   Duration heartbeat_timeout_ TESSERA_GUARDED_BY(mutex_){};  // the maximum of all answers
-  std::map<std::string, JobEntry> jobs_ TESSERA_GUARDED_BY(mutex_);
+  HeldJobs jobs_ TESSERA_GUARDED_BY(mutex_);
   bool draining_ TESSERA_GUARDED_BY(mutex_) = false;
 };
 

@@ -5,19 +5,24 @@
 
 #include <cstdlib>
 #include <memory>
+#include <stop_token>
 
 #include "core/base/standard_streams.hpp"
 #include "core/base/version.hpp"
 #include "core/common/log.hpp"
 #include "core/common/metrics_server.hpp"
 #include "core/common/secret_file.hpp"
+#include "core/common/service_manager.hpp"
 #include "core/integrators/fingerprint.hpp"
 #include "core/sandbox/check.hpp"
 #include "core/sandbox/process.hpp"
+#include "proto/channel.hpp"
+#include "proto/client_credentials.hpp"
 #include "proto/unreachable.hpp"
 #include "proto/worker_key.hpp"
 #include "worker/machine_key.hpp"
 #include "worker/options.hpp"
+#include "worker/peer_server.hpp"
 #include "worker/self_restart.hpp"
 #include "worker/signals.hpp"
 #include "worker/worker.hpp"
@@ -55,6 +60,29 @@ core::Result<std::unique_ptr<common::MetricsServer>> serve_metrics(const std::st
   return metrics;
 }
 
+// Null if there is no address. The cache must outlive it.
+core::Result<std::unique_ptr<worker::PeerServer>> serve_blobs(const std::string& address,
+                                                              const worker::BlobCache& cache) {
+  if (address.empty()) return nullptr;
+  auto server = worker::PeerServer::start(address, cache);
+  if (server) spdlog::info("serves files to other workers at port {}", (*server)->endpoint().port());
+  return server;
+}
+
+void warn_of_exposed_secrets(const proto::ClientSecurity& security) {
+  for (const std::string& secret : {security.key, security.token})
+    if (const auto warning = common::exposure_of(secret)) spdlog::warn("{}", *warning);
+}
+
+// Leases and connections are not affected, and a damaged file changes nothing.
+void reload(proto::ClientCredentials& credentials, const proto::ClientSecurity& security) {
+  if (const core::Status done = credentials.reload(); !done)
+    return spdlog::error("certificates and token stay as they were, since the new ones cannot be used: {}",
+                         done.error().message);
+  spdlog::info("has read certificates and token again");
+  warn_of_exposed_secrets(security);
+}
+
 int run(const worker::Options& options, char** arguments) {
   worker::StopSignals signals;
   if (options.cache.empty()) {
@@ -70,18 +98,18 @@ int run(const worker::Options& options, char** arguments) {
     spdlog::error("{}", ready.error().message);
     return 1;
   }
-  for (const std::string& secret : {options.security.key, options.security.token})
-    if (const auto warning = common::exposure_of(secret)) spdlog::warn("{}", *warning);
-  const auto channel = proto::open_channel(options.coordinator, options.security);
-  if (!channel) {
-    spdlog::error("{}", channel.error().message);
+  warn_of_exposed_secrets(options.security);
+  const auto credentials = proto::ClientCredentials::open(options.coordinator, options.security);
+  if (!credentials) {
+    spdlog::error("{}", credentials.error().message);
     return 1;
   }
+  signals.on_hangup([&options, held = *credentials] { reload(*held, options.security); });
   const auto machine_key = worker::machine_key(cache->folder());
   if (!machine_key)
     spdlog::warn("{}: this worker has a new identity each time it starts", machine_key.error().message);
   const std::string key = worker::new_worker_key(machine_key.value_or(""));
-  const auto coordinator = v1::WorkerService::NewStub(*channel);
+  const auto coordinator = v1::WorkerService::NewStub(proto::open_channel(options.coordinator, *credentials));
   worker::Identity identity{.worker_id = proto::worker_id_of(key),
                             .name = options.name,
                             .version = std::string(core::version()),
@@ -92,8 +120,14 @@ int run(const worker::Options& options, char** arguments) {
               fmt::format("worker {} ({}) with {} threads, for the coordinator at {}, cache {}", options.name,
                           identity.worker_id, options.threads, options.coordinator, options.cache),
               {.worker = identity.worker_id, .peer = options.coordinator});
+  const auto peer_server = serve_blobs(options.serve_blobs, *cache);
+  if (!peer_server) {
+    spdlog::error("{}", peer_server.error().message);
+    return 1;
+  }
   worker::Worker::Options how = worker::with_self_restart(arguments, signals);
   how.explain = explaining(options);
+  how.peer_server = peer_server->get();
   how.load_scene = [&options](const worker::SceneFiles& files, int threads, const std::stop_token& stop) {
     return worker::load_confined(options.loader, files, threads, stop);
   };
@@ -103,7 +137,15 @@ int run(const worker::Options& options, char** arguments) {
     spdlog::error("{}", metrics.error().message);
     return 1;
   }
+  common::ServiceReport report([&] { return worker::status_of(worker.metrics(), options.coordinator); });
+  const std::stop_callback tell(signals.token(), [&] { report.stopping(); });
+  signals.on_hangup([&, held = *credentials] {
+    report.reloading();
+    reload(*held, options.security);
+    report.reloaded();
+  });
   worker.run(signals.token());
+  signals.leave_pending();  // the report ends before the signals
   return 0;
 }
 

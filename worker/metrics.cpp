@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/metrics.hpp"
 
+#include <fmt/format.h>
+
 namespace tessera::worker {
 
 namespace {
@@ -22,10 +24,15 @@ void write_work(common::MetricWriter& writer, const Metrics& metrics, const Iden
 }
 
 void write_scenes(common::MetricWriter& writer, const Metrics& metrics, const BlobCache& cache) {
-  writer.counter("tessera_worker_blobs_fetched_total", "Files of scenes fetched from the coordinator",
-                 static_cast<double>(cache.fetched().files));
-  writer.counter("tessera_worker_received_bytes_total", "Bytes of files fetched from the coordinator",
-                 static_cast<double>(cache.fetched().bytes));
+  writer.counter("tessera_worker_blobs_fetched_total", "Files of scenes fetched",
+                 static_cast<double>(cache.traffic().files));
+  writer.counter("tessera_worker_received_bytes_total", "Bytes of files fetched",
+                 static_cast<double>(cache.traffic().received_bytes));
+  writer.counter("tessera_worker_peer_received_bytes_total", "Bytes of files fetched from other workers",
+                 static_cast<double>(cache.traffic().peer_received_bytes));
+  writer.counter("tessera_worker_peer_sent_bytes_total",
+                 "Bytes of files sent to other workers (--serve-blobs)",
+                 static_cast<double>(cache.traffic().peer_sent_bytes));
   writer.gauge("tessera_worker_cache_bytes", "Size of the files in the cache folder",
                static_cast<double>(cache.used_bytes()));
   writer.gauge("tessera_worker_cache_limit_bytes", "Limit on the cache folder (--cache-gib)",
@@ -46,6 +53,12 @@ void write_connection(common::MetricWriter& writer, const Metrics& metrics) {
 }
 
 }  // namespace
+
+std::optional<std::string> status_of(const Metrics& metrics, const std::string& address) {
+  if (Metrics::Clock::now() > metrics.next_call_by.load()) return std::nullopt;
+  if (!metrics.connected) return "no connection to " + address;
+  return fmt::format("connected to {}, with {} leases", address, metrics.leases_held.load());
+}
 
 common::MetricFamilies collect(const Metrics& metrics, const Identity& identity, const BlobCache& cache) {
   common::MetricWriter writer;

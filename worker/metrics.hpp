@@ -5,6 +5,8 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <optional>
+#include <string>
 
 #include "core/common/metric_writer.hpp"
 #include "worker/blob_cache.hpp"
@@ -27,11 +29,17 @@ struct Metrics {
   // Whether the last Synchronize was answered, and when one was last; at first the start of the worker.
   std::atomic<bool> connected{false};
   std::atomic<Clock::time_point> last_answer{Clock::now()};
+  // When the next Synchronize begins at the latest, unless the thread that calls it hangs.
+  std::atomic<Clock::time_point> next_call_by{Clock::time_point::max()};
 
   static void add(Count& total, Clock::duration time) {
     total += static_cast<std::uint64_t>(std::chrono::nanoseconds(time).count());
   }
 };
+
+// One line for the service manager: whether the worker is connected to the coordinator at `address`, and what
+// it holds. Empty if the thread that synchronises hangs.
+std::optional<std::string> status_of(const Metrics& metrics, const std::string& address);
 
 // Also what the cache has fetched. Reads the sizes of the files in the cache's folder.
 common::MetricFamilies collect(const Metrics& metrics, const Identity& identity, const BlobCache& cache);

@@ -14,6 +14,7 @@
 
 #include "core/base/available_resources.hpp"
 #include "core/base/version.hpp"
+#include "core/cli/config_file.hpp"
 #include "core/cli/help.hpp"
 #include "core/cli/parse.hpp"
 #include "core/common/log_flags.hpp"
@@ -34,7 +35,7 @@ constexpr std::int64_t kMaxSceneSeconds = 86400;
 const cli::HelpText kHelp{
     .notes =
         R"(Log lines go to stderr. SIGINT and SIGTERM end the worker after what it has rendered is delivered; a second
-SIGINT ends it at once.)",
+SIGINT ends it at once. SIGHUP reads the files of certificates and token again.)",
     .exit_statuses = {{cli::kExitOk, "stopped by a signal or by an administrator"},
                       {cli::kExitFailed, "failed"},
                       {cli::kExitUsage, "wrong command line"}},
@@ -91,6 +92,7 @@ Options parse_options(int argc, char** argv) {
   CLI::App app("Render scenes for a Tessera farm", "tessera-worker");
   cli::set_help(app, kHelp);
   app.set_version_flag("--version", "tessera-worker " + std::string(core::version()), "Print the version");
+  cli::add_config_option(app);
   app.add_option("--coordinator", options.coordinator, "Address of the farm's coordinator")
       ->envname(proto::kCoordinatorVariable)
       ->type_name("HOST:PORT")
@@ -112,6 +114,11 @@ Options parse_options(int argc, char** argv) {
       ->check(common::number_between(0.001, 1e6))
       ->type_name("N")
       ->capture_default_str();
+  app.add_option("--serve-blobs", options.serve_blobs,
+                 "Serve files of scenes to other workers at this IP address, 0.0.0.0 or [::] for all of this "
+                 "machine; "
+                 "port 0 picks a free port [default: not served]")
+      ->type_name("HOST:PORT");
   app.add_option("--name", options.name, "Name of this worker in lists and logs [default: the host name]")
       ->type_name("NAME");
   proto::add_security_flags(app, options.security);
@@ -119,7 +126,10 @@ Options parse_options(int argc, char** argv) {
   common::add_metrics_flag(app, options.metrics);
   common::add_log_flags(app, options.log);
   app.add_flag(
-      "--verbose", [&options](auto) { options.log.level = spdlog::level::debug; },
+      "--verbose",
+      [&options](std::int64_t times) {
+        if (times > 0) options.log.level = spdlog::level::debug;
+      },
       "Log debug messages: --log-level debug");
   app.final_callback([&options] {
     if (const core::Status fit = proto::check_text("--name", options.name); !fit)

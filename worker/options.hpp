@@ -18,7 +18,8 @@ struct Options {
   std::string name;                                      // for people; default: the host's
   proto::ClientSecurity security;
   common::LogOptions log;
-  std::string metrics;  // HOST:PORT to serve metrics at; empty: nowhere
+  std::string metrics;      // HOST:PORT to serve metrics at; empty: nowhere
+  std::string serve_blobs;  // HOST:PORT to serve files to other workers at; empty: nowhere
   LoaderOptions loader;
 
   Options();

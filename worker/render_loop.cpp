@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <new>
 #include <string_view>
@@ -80,7 +81,8 @@ void RenderLoop::give_back(const Piece& piece, const core::Error& why) {
 }
 
 core::Status RenderLoop::try_to_render(const Piece& piece, const std::stop_token& stop) {
-  const auto scene = scenes_.get(piece.job->files, stop);
+  const std::int32_t frame = piece.job->frame_of(piece.item.image);
+  const auto scene = scenes_.get(piece.job->files, frame, stop);
   if (!scene && scene.error().code == core::ErrorCode::kResourceExhausted) return core::fail(scene.error());
   if (!scene) {
     give_back(piece, scene.error());

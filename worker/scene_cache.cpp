@@ -17,14 +17,24 @@ constexpr auto kMarkPeriod = std::chrono::minutes(10);
 
 }  // namespace
 
-core::Result<std::shared_ptr<const core::Scene>> SceneCache::get(const SceneFiles& files,
+core::Result<std::shared_ptr<const core::Scene>> SceneCache::get(const SceneFiles& files, std::int32_t frame,
                                                                  const std::stop_token& stop) {
+  const auto entry = find_or_build(files, stop);
+  if (!entry) return core::fail(entry.error());
+  core::Scene& scene = *(*entry)->scene;
+  if (const core::Status shown = scene.set_frame(frame, threads_); !shown)
+    return core::fail(shown.error().within(files.scene_path));
+  return (*entry)->scene;
+}
+
+core::Result<SceneCache::Entry*> SceneCache::find_or_build(const SceneFiles& files,
+                                                           const std::stop_token& stop) {
   const auto known =
       std::find_if(recent_.begin(), recent_.end(), [&](const auto& e) { return e.key == files.key; });
   if (known != recent_.end()) {
     recent_.splice(recent_.begin(), recent_, known);
     mark_files(*known, files);
-    return known->scene;
+    return &*known;
   }
   // The oldest is removed first, so that memory never holds more than `capacity_` scenes.
   while (recent_.size() >= capacity_) recent_.pop_back();
@@ -33,12 +43,12 @@ core::Result<std::shared_ptr<const core::Scene>> SceneCache::get(const SceneFile
   Metrics::add(metrics_.scene_load_ns, Clock::now() - start);
   ++(built ? metrics_.scenes_loaded : metrics_.scenes_failed);
   if (!built) return core::fail(built.error());
-  auto scene = std::make_shared<const core::Scene>(std::move(*built));
+  auto scene = std::make_shared<core::Scene>(std::move(*built));
   const std::chrono::duration<double> took = Clock::now() - start;
   spdlog::info("made scene {} ({} primitives) ready in {:.2f} s", files.scene_path,
                scene->primitives().count(), took.count());
-  recent_.push_front({files.key, scene, Clock::now()});
-  return scene;
+  recent_.push_front({files.key, std::move(scene), Clock::now()});
+  return &recent_.front();
 }
 
 bool SceneCache::has_others(const SceneFiles& files) const {

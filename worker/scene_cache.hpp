@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <list>
 #include <memory>
@@ -35,9 +36,10 @@ class SceneCache {
         load_(std::move(load)),
         store_(std::move(store)) {}
 
-  // Loads and builds the scene if it is not in memory, and marks its files as used. Errors are those of
-  // loading and of Scene::build.
-  core::Result<std::shared_ptr<const core::Scene>> get(const SceneFiles& files,
+  // The scene at a frame. Loads and builds it if it is not in memory, and marks its files as used. Frames of
+  // a scene share its memory: a scene that was returned earlier shows this frame now, too. Errors are those
+  // of loading, of Scene::build and of Scene::set_frame.
+  core::Result<std::shared_ptr<const core::Scene>> get(const SceneFiles& files, std::int32_t frame,
                                                        const std::stop_token& stop = {});
   // Whether scenes of other bundles are in memory.
   bool has_others(const SceneFiles& files) const;
@@ -48,10 +50,12 @@ class SceneCache {
   using Clock = std::chrono::steady_clock;
   struct Entry {
     std::string key;
-    std::shared_ptr<const core::Scene> scene;
+    std::shared_ptr<core::Scene> scene;
     Clock::time_point files_marked;
   };
 
+  // The entry of the scene, which is then the first.
+  core::Result<Entry*> find_or_build(const SceneFiles& files, const std::stop_token& stop);
   core::Result<core::Scene> build(const SceneFiles& files, const std::stop_token& stop) const;
   static void mark_files(Entry& entry, const SceneFiles& files);
 

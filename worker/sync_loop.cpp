@@ -22,6 +22,9 @@ constexpr proto::Duration kGoodbyeDeadline = 2s;
 // An answer without a change should have waited. The worker waits instead of the coordinator.
 constexpr proto::Duration kShortestExchange = 50ms;
 
+// More than the pause after any answer, also that of a coordinator that refuses this worker.
+constexpr proto::Duration kMaxPause = 120s;
+
 constexpr proto::BackoffOptions kBackoff{.first = 100ms, .longest = 2s};
 
 // Whether the coordinator rejects this worker: its build, machine, name or credentials.
@@ -39,6 +42,7 @@ bool SyncLoop::run(const std::stop_token& stop) {
   int failures = 0;
   while (!stop.stop_requested()) {
     const auto start = std::chrono::steady_clock::now();
+    metrics_.next_call_by = start + deadline + kMaxPause;
     const auto response = synchronize(stop, deadline);
     if (stop.stop_requested()) break;
     if (response) {
@@ -72,6 +76,7 @@ core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_toke
   request.set_worker_key(identity_.worker_key);
   request.set_names_images(true);
   lease_tracker_.report(request);
+  complete_(request);
   metrics_.leases_held = static_cast<std::uint64_t>(request.held_size());
 
   StoppableCall call(stop, deadline);

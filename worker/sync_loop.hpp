@@ -21,6 +21,8 @@ namespace tessera::worker {
 
 class SyncLoop {
  public:
+  // Adds to a request what the loop does not know itself. Called on its thread.
+  using Complete = std::function<void(v1::SynchronizeRequest& request)>;
   // Makes the error of a failed call.
   using Explain = std::function<core::Error(const grpc::Status&)>;
 
@@ -32,10 +34,11 @@ class SyncLoop {
       Identity identity, v1::WorkerService::StubInterface& coordinator, LeaseTracker& lease_tracker,
       Metrics& metrics,
       Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); },
-      proto::BackoffOptions refusal_backoff = kRefusalBackoff)
+      proto::BackoffOptions refusal_backoff = kRefusalBackoff, Complete complete = [](auto&) {})
       : identity_(std::move(identity)),
         explain_(std::move(explain)),
         refusal_backoff_(refusal_backoff),
+        complete_(std::move(complete)),
         coordinator_(coordinator),
         lease_tracker_(lease_tracker),
         metrics_(metrics) {}
@@ -57,6 +60,7 @@ class SyncLoop {
   const Identity identity_;
   const Explain explain_;
   const proto::BackoffOptions refusal_backoff_;
+  const Complete complete_;
   v1::WorkerService::StubInterface& coordinator_;
   LeaseTracker& lease_tracker_;
   Metrics& metrics_;

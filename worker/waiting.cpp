@@ -21,15 +21,15 @@ proto::Waiter waiter_until(const std::stop_token& stop) {
   return waiter;
 }
 
-StallGuard::StallGuard(grpc::ClientContext& context, proto::Duration max_silence)
+StallGuard::StallGuard(std::function<void()> cancel, proto::Duration max_silence)
     : last_(std::chrono::steady_clock::now().time_since_epoch()),
-      watch_([this, &context, max_silence](const std::stop_token& done) {
+      watch_([this, cancel = std::move(cancel), max_silence](const std::stop_token& done) {
         const auto silence = [this] {
           return std::chrono::steady_clock::now().time_since_epoch() - last_.load();
         };
         while (silence() < max_silence)
           if (!wait_for(done, max_silence - silence())) return;
-        context.TryCancel();
+        cancel();
       }) {}
 
 StoppableCall::StoppableCall(const std::stop_token& stop, proto::Duration deadline)

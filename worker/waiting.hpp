@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <stop_token>
 #include <thread>
 
@@ -36,11 +37,15 @@ class StoppableCall {
   std::stop_callback<Cancel> on_stop_;
 };
 
-// Cancels a stream that makes no progress for too long, however long it takes in total.
+// The timeout for one chunk of a blob, of up to a mebibyte, so that lines of a few kilobytes a second
+// suffice. The channel's keepalive detects a peer that vanished long before.
+inline constexpr std::chrono::minutes kMaxSilence{5};
+
+// Ends a stream that makes no progress for too long, however long it takes in total.
 class StallGuard {
  public:
-  // The context must outlive the guard.
-  StallGuard(grpc::ClientContext& context, proto::Duration max_silence);
+  // `cancel` is called by another thread, at most once.
+  StallGuard(std::function<void()> cancel, proto::Duration max_silence);
   // Records progress.
   void progressed() { last_ = std::chrono::steady_clock::now().time_since_epoch(); }
 

@@ -4,14 +4,17 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <functional>
 #include <optional>
 #include <thread>
 
 #include "core/common/log.hpp"
 #include "core/scene/cache/scene_store.hpp"
+#include "worker/cache_meter.hpp"
 #include "worker/deliver_loop.hpp"
 #include "worker/fetch_loop.hpp"
 #include "worker/lease_tracker.hpp"
+#include "worker/segment_source.hpp"
 #include "worker/waiting.hpp"
 
 namespace tessera::worker {
@@ -52,8 +55,11 @@ Worker::Worker(Identity identity, const BlobCache& cache, v1::WorkerService::Stu
 
 void Worker::run(const std::stop_token& stop) {
   LeaseTracker lease_tracker;
-  SyncLoop sync(identity_, coordinator_, lease_tracker, metrics_, options_.explain);
-  FetchLoop fetch(cache_, coordinator_, lease_tracker);
+  CacheMeter meter(cache_);
+  SyncLoop sync(identity_, coordinator_, lease_tracker, metrics_, options_.explain, SyncLoop::kRefusalBackoff,
+                [&meter](v1::SynchronizeRequest& request) { *request.mutable_cache() = meter.read(); });
+  SegmentSource source(identity_.worker_key, cache_, coordinator_, options_.peer_server);
+  FetchLoop fetch(cache_, source, lease_tracker, std::hash<std::string>{}(identity_.worker_id));
   RenderLoop render(static_cast<int>(identity_.threads), lease_tracker, metrics_, options_.load_scene,
                     open_scene_store(cache_), options_.render);
   DeliverLoop deliver(identity_, coordinator_, lease_tracker, metrics_);
@@ -65,6 +71,7 @@ void Worker::run(const std::stop_token& stop) {
   bool told_to_stop = false;  // by the coordinator
   std::thread sync_thread([&] {
     told_to_stop = sync.run(working.get_token());
+    metrics_.next_call_by = Metrics::Clock::time_point::max();
     if (told_to_stop) spdlog::info("an administrator has asked this worker to stop");
     working.request_stop();
   });

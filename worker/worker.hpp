@@ -14,6 +14,7 @@
 #include "worker/confined_loader.hpp"
 #include "worker/hang_watchdog.hpp"
 #include "worker/metrics.hpp"
+#include "worker/peer_server.hpp"
 #include "worker/render_loop.hpp"
 #include "worker/sync_loop.hpp"
 
@@ -38,6 +39,8 @@ class Worker {
     // is delivered. If it returns, the worker waits for the piece. `must_end`: the coordinator told the
     // worker to stop, so the process must not start again.
     std::function<void(const UnwantedPiece&, bool must_end)> self_restart = [](const UnwantedPiece&, bool) {};
+    // What serves other workers; null: nothing does. It must outlive the worker.
+    const PeerServer* peer_server = nullptr;
   };
 
   // All three must outlive the worker.

@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <exception>
-#include <iostream>
 #include <new>
 #include <optional>
 #include <string>
@@ -47,8 +46,7 @@ std::optional<int> parse(int argc, char** argv, sandbox::Options& options) {
 }
 
 int fail(const std::string& why) {
-  std::cerr << worker::kSceneLoaderName << ": " << why << '\n';
-  return cli::kExitFailed;
+  return cli::print_error(worker::kSceneLoaderName, why);
 }
 
 core::Result<core::SceneDescription> load(const core::LoadRequest& request) {

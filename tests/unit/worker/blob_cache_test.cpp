@@ -31,7 +31,7 @@ class BlobCacheTest : public ::testing::Test {
   ~BlobCacheTest() override { fs::remove_all(folder_); }
 
   core::Result<std::string> get(const proto::Digest& digest) {
-    return BlobCache::open(folder_ / "cache")->get(digest, {}, coordinator_.stub(), {});
+    return BlobCache::open(folder_ / "cache")->get(digest, {}, source_, {});
   }
   std::size_t files() const {
     return static_cast<std::size_t>(
@@ -42,6 +42,7 @@ class BlobCacheTest : public ::testing::Test {
   const proto::Digest digest_ = proto::digest_of(bytes_);
   fs::path folder_;
   FakeCoordinator coordinator_;
+  CoordinatorSource source_{coordinator_.stub()};
 };
 
 TEST_F(BlobCacheTest, FetchesOnceAndKeeps) {
@@ -58,7 +59,7 @@ TEST_F(BlobCacheTest, FilesThatWereNotUsedForLongestMakeRoom) {
   const auto get_another = [&](const std::string& bytes) {
     coordinator_.keep_blob(proto::to_proto(proto::digest_of(bytes)).sha256(), bytes);
     const auto cache = BlobCache::open(folder_ / "cache", 3'700'000);
-    return cache->get(proto::digest_of(bytes), {}, coordinator_.stub(), {}).value();
+    return cache->get(proto::digest_of(bytes), {}, source_, {}).value();
   };
   const std::string first = get_another(std::string(600'000, 'x'));
   EXPECT_TRUE(fs::exists(path)) << "there is room for both";
@@ -73,13 +74,13 @@ TEST_F(BlobCacheTest, FilesInUseStayAndNothingExceedsTheLimit) {
   const std::string other(600'000, 'x');
   const auto cache = BlobCache::open(folder_ / "cache", 3'500'000);
   coordinator_.keep_blob(proto::to_proto(proto::digest_of(other)).sha256(), other);
-  const auto refused = cache->get(proto::digest_of(other), {digest_.hex()}, coordinator_.stub(), {});
+  const auto refused = cache->get(proto::digest_of(other), {digest_.hex()}, source_, {});
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, core::ErrorCode::kResourceExhausted);
   EXPECT_THAT(refused.error().message, ::testing::HasSubstr("--cache-gib"));
   EXPECT_EQ(coordinator_.fetches(), 1u) << "no byte comes before there is room for all";
   EXPECT_EQ(files(), 1u);
-  EXPECT_TRUE(cache->get(proto::digest_of(other), {}, coordinator_.stub(), {}).has_value());
+  EXPECT_TRUE(cache->get(proto::digest_of(other), {}, source_, {}).has_value());
   EXPECT_FALSE(fs::exists(used));
 }
 
@@ -95,7 +96,7 @@ TEST_F(BlobCacheTest, FilesOfOthersStay) {
   const std::string unused(64, 'a'), abandoned = unused + ".7-1.partial";
   make(unused);
   make(abandoned);
-  ASSERT_TRUE(BlobCache::open(folder_ / "cache", bytes_.size())->get(digest_, {}, coordinator_.stub(), {}));
+  ASSERT_TRUE(BlobCache::open(folder_ / "cache", bytes_.size())->get(digest_, {}, source_, {}));
   for (const std::string& name : names) EXPECT_TRUE(fs::exists(folder_ / "cache" / name)) << name;
   EXPECT_FALSE(fs::exists(folder_ / "cache" / unused));
   EXPECT_FALSE(fs::exists(folder_ / "cache" / abandoned));

@@ -35,6 +35,11 @@ void FakeCoordinator::keep_blob(const std::string& sha256, const std::string& by
   blobs_[sha256] = bytes;
 }
 
+void FakeCoordinator::answer_downloads_with(Download download) {
+  std::lock_guard lock(mutex_);
+  download_ = std::move(download);
+}
+
 std::vector<v1::SynchronizeRequest> FakeCoordinator::wait_for_syncs(std::size_t count) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return syncs_.size() >= count; });
@@ -80,6 +85,7 @@ grpc::Status FakeCoordinator::FetchBlob(grpc::ServerContext*, const v1::FetchBlo
                                         grpc::ServerWriter<v1::FetchBlobResponse>* writer) {
   std::lock_guard lock(mutex_);
   ++fetches_;
+  if (download_) return download_(*request, *writer);
   const auto blob = blobs_.find(request->digest().sha256());
   if (blob == blobs_.end()) return {grpc::StatusCode::NOT_FOUND, "no such blob"};
   proto::for_each_chunk(proto::from_proto(request->digest()).value(), blob->second,

@@ -30,6 +30,11 @@ class FakeCoordinator final : public v1::WorkerService::Service {
   void refuse_results_with(std::vector<grpc::Status> statuses);
   void keep_blob(const std::string& sha256, const std::string& bytes);
 
+  // Answers FetchBlob instead of the blobs that it keeps.
+  using Download =
+      std::function<grpc::Status(const v1::FetchBlobRequest&, grpc::ServerWriter<v1::FetchBlobResponse>&)>;
+  void answer_downloads_with(Download download);
+
   // Block until there were so many calls.
   std::vector<v1::SynchronizeRequest> wait_for_syncs(std::size_t count);
   std::vector<v1::SubmitResultRequest> wait_for_results(std::size_t count);
@@ -51,6 +56,7 @@ class FakeCoordinator final : public v1::WorkerService::Service {
   std::vector<v1::SynchronizeRequest> syncs_;
   std::vector<v1::SubmitResultRequest> results_;
   std::size_t fetches_ = 0;
+  Download download_;
 
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<v1::WorkerService::StubInterface> stub_;

@@ -60,7 +60,7 @@ class LeaseTrackerTest : public ::testing::Test {
   }
   void deliver() { lease_tracker_.delivered(lease_tracker_.next_delivery({}).value()); }
 
-  LeaseTracker lease_tracker_{{.first_delay = 0s, .longest_delay = 0s}};
+  LeaseTracker lease_tracker_{{.delays = {.first = 0s, .longest = 0s}}};
 };
 
 TEST_F(LeaseTrackerTest, HoldsWhatItIsToldTo) {
@@ -298,7 +298,7 @@ TEST_F(LeaseTrackerTest, ALeaseThatIsTakenAwayWhileItIsGivenBackStaysUntilThatHa
 }
 
 TEST(LeaseTracker, KeepsALeaseItCannotRenderForAWhileAndTakesOtherWork) {
-  LeaseTracker lease_tracker({.first_delay = 1h, .longest_delay = 1h});
+  LeaseTracker lease_tracker({.delays = {.first = 1h, .longest = 1h}});
   lease_tracker.apply(answer({lease(1, "a", 0, 8)}, {"a"}));
   lease_tracker.next_to_fetch({});
   lease_tracker.cannot_fetch("a", "cannot fetch m.obj: No space left on device");

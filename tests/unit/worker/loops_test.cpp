@@ -64,9 +64,12 @@ class LoopsTest : public ::testing::Test {
 
 TEST_F(LoopsTest, SynchronizingTellsWhatTheWorkerIsAndHolds) {
   coordinator_.answer_with({give_lease});
-  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_, metrics_);
+  const SyncLoop::Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); };
+  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_, metrics_, explain, SyncLoop::kRefusalBackoff,
+                [](v1::SynchronizeRequest& request) { request.mutable_cache()->set_used_bytes(77); });
   std::jthread thread([&](const std::stop_token& stop) { EXPECT_FALSE(sync.run(stop)); });
   const auto calls = coordinator_.wait_for_syncs(2);
+  EXPECT_EQ(calls[0].cache().used_bytes(), 77u);
   EXPECT_EQ(calls[0].worker_id(), "id");
   EXPECT_EQ(calls[0].name(), "name");
   EXPECT_EQ(calls[0].version(), "0.1.0");
@@ -178,7 +181,7 @@ class SceneFilesTest : public ::testing::Test {
 
   // Why the worker gives back the only lease of a job with these files.
   std::string refusal(const std::map<std::string, std::string>& blob_paths) {
-    LeaseTracker lease_tracker({.first_delay = 0s, .longest_delay = 0s});
+    LeaseTracker lease_tracker({.delays = {.first = 0s, .longest = 0s}});
     v1::SynchronizeResponse response;
     give_lease({}, response);
     lease_tracker.apply(response);
@@ -231,7 +234,7 @@ TEST_F(SceneFilesTest, AreGivenBackByAWorkerThatStops) {
 }
 
 TEST_F(LoopsTest, AJobThatTakesTooMuchMemoryIsDeclinedAndTheWorkerGoesOn) {
-  LeaseTracker lease_tracker({.first_delay = 0s, .longest_delay = 0s});
+  LeaseTracker lease_tracker({.delays = {.first = 0s, .longest = 0s}});
   v1::SynchronizeResponse response;
   give_lease({}, response);
   lease_tracker.apply(response);
@@ -282,7 +285,8 @@ TEST_F(LoopsTest, AFileWithManyNamesIsFetchedOnce) {
   std::string folder = "/tmp/tessera-fetch-XXXXXX";
   const auto cache = BlobCache::open(mkdtemp(folder.data()));
   {
-    FetchLoop fetch(*cache, coordinator_.stub(), lease_tracker);
+    CoordinatorSource source(coordinator_.stub());
+    FetchLoop fetch(*cache, source, lease_tracker);
     std::jthread thread([&](const std::stop_token& stop) { fetch.run(stop); });
     const auto piece = lease_tracker.take({}, [](const std::string&) { return 1u; });
     EXPECT_EQ(piece->job->files.blob_paths.size(), 1000u);
@@ -293,7 +297,7 @@ TEST_F(LoopsTest, AFileWithManyNamesIsFetchedOnce) {
 }
 
 TEST_F(LoopsTest, AJobWhoseFilesAreGoneIsGivenBack) {
-  LeaseTracker lease_tracker({.first_delay = 0s, .longest_delay = 0s});
+  LeaseTracker lease_tracker({.delays = {.first = 0s, .longest = 0s}});
   v1::SynchronizeResponse response;
   give_lease({}, response);
   v1::Bundle::Asset& asset = *response.mutable_jobs(0)->mutable_bundle()->add_assets();
@@ -303,7 +307,8 @@ TEST_F(LoopsTest, AJobWhoseFilesAreGoneIsGivenBack) {
 
   std::string folder = "/tmp/tessera-fetch-XXXXXX";
   const auto cache = BlobCache::open(mkdtemp(folder.data()));
-  FetchLoop fetch(*cache, coordinator_.stub(), lease_tracker);
+  CoordinatorSource source(coordinator_.stub());
+  FetchLoop fetch(*cache, source, lease_tracker);
   std::jthread thread([&](const std::stop_token& stop) { fetch.run(stop); });
   const auto delivery = lease_tracker.next_delivery({});
   EXPECT_TRUE(delivery->lease_finished);
@@ -336,10 +341,11 @@ class CacheLimitTest : public ::testing::Test {
 
   TemporaryFolder folder_;
   FakeCoordinator coordinator_;
-  LeaseTracker lease_tracker_{{.first_delay = 0s, .longest_delay = 0s}};
+  LeaseTracker lease_tracker_{{.delays = {.first = 0s, .longest = 0s}}};
   v1::SynchronizeResponse response_;
   core::Result<BlobCache> cache_ = BlobCache::open(folder_.path() / "cache", 3500);
-  FetchLoop fetch_{*cache_, coordinator_.stub(), lease_tracker_};
+  CoordinatorSource source_{coordinator_.stub()};
+  FetchLoop fetch_{*cache_, source_, lease_tracker_};
 };
 
 TEST_F(CacheLimitTest, AJobWithMoreFilesThanTheCacheHoldsIsDeclined) {

@@ -30,6 +30,17 @@ TEST_F(WorkerMetrics, AreDocumentedEachAndNoOthers) {
     EXPECT_TRUE(shown.contains(row)) << "docs/metrics.md has a line too many\n" << row;
 }
 
+TEST_F(WorkerMetrics, AreALineForTheServiceManagerWhileTheWorkerCallsTheCoordinator) {
+  EXPECT_EQ(status_of(metrics_, "farm:7420"), "no connection to farm:7420");
+  metrics_.connected = true;
+  metrics_.leases_held = 3;
+  EXPECT_EQ(status_of(metrics_, "farm:7420"), "connected to farm:7420, with 3 leases");
+  metrics_.next_call_by = Metrics::Clock::now() + std::chrono::hours(1);
+  EXPECT_TRUE(status_of(metrics_, "farm:7420"));
+  metrics_.next_call_by = Metrics::Clock::now() - std::chrono::milliseconds(1);
+  EXPECT_FALSE(status_of(metrics_, "farm:7420"));
+}
+
 TEST_F(WorkerMetrics, ShowWhatTheWorkerHasCounted) {
   metrics_.samples_rendered += 500;
   Metrics::add(metrics_.render_ns, std::chrono::milliseconds(2500));

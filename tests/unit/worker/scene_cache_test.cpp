@@ -31,12 +31,12 @@ TEST(SceneCache, KeepsBuiltScenesForTheNextWorker) {
                         ADD_FAILURE() << message;
                       }).value());
   };
-  EXPECT_TRUE(new_cache().get(files));
+  EXPECT_TRUE(new_cache().get(files, 0));
   std::filesystem::remove(blob);
-  const auto scene = new_cache().get(files);
+  const auto scene = new_cache().get(files, 0);
   ASSERT_TRUE(scene);
   EXPECT_EQ((*scene)->primitives().sphere_count(), 1u);
-  EXPECT_FALSE(SceneCache(1, 1, metrics, confined(), {}).get(files)) << "without a store";
+  EXPECT_FALSE(SceneCache(1, 1, metrics, confined(), {}).get(files, 0)) << "without a store";
 }
 
 // Where there is no store, and where it takes no scene, the scene goes from one process to the other all the
@@ -47,9 +47,56 @@ TEST(SceneCache, DoesWithoutAStore) {
   write_file(blob, kScene);
   Metrics metrics;
   const SceneFiles files{.key = "key", .scene_path = "scene.json", .blob_paths = {{"scene.json", blob}}};
-  EXPECT_TRUE(SceneCache(1, 1, metrics, confined(), {}).get(files));
+  EXPECT_TRUE(SceneCache(1, 1, metrics, confined(), {}).get(files, 0));
   auto full = core::SceneStore::open(folder.path(), 1, [](const std::string&) {});
-  EXPECT_TRUE(SceneCache(1, 1, metrics, confined(), std::move(full.value())).get(files));
+  EXPECT_TRUE(SceneCache(1, 1, metrics, confined(), std::move(full.value())).get(files, 0));
+}
+
+constexpr const char* kTurning = R"({
+  "camera": {"position": [0, 0, 3], "look_at": [0, 0, 0]},
+  "materials": {"clay": {"type": "lambert", "albedo": [0.5, 0.5, 0.5]}},
+  "shapes": [{"type": "sphere", "radius": 1, "center": [1, 0, 0], "material": "clay", "transform": [
+    {"rotate": {"axis": [0, 1, 0], "degrees": {"keyframes": [{"frame": 1, "value": 0}, {"frame": 13, "value": 360}]}}}
+  ]}],
+  "environment": {"radiance": [1, 1, 1]}
+})";
+
+// The frames of a job are made of one scene in memory, which is loaded once.
+TEST(SceneCache, LoadsASceneOnceForAllFrames) {
+  const TemporaryFolder folder;
+  const std::string blob = folder.path() / "blob";
+  write_file(blob, kTurning);
+  Metrics metrics;
+  const SceneFiles files{.key = "key", .scene_path = "scene.json", .blob_paths = {{"scene.json", blob}}};
+  SceneCache cache(1, 1, metrics, confined(), {});
+  const auto first = cache.get(files, 1);
+  ASSERT_TRUE(first) << first.error().message;
+  const core::Aabb at_first = (*first)->primitives().bounds(0);
+  for (int frame = 12; frame > 0; --frame) {
+    const auto scene = cache.get(files, frame);
+    ASSERT_TRUE(scene);
+    EXPECT_EQ(*scene, *first) << "the same memory";
+    EXPECT_EQ((*scene)->frame(), frame);
+    EXPECT_EQ((*scene)->primitives().bounds(0) == at_first, frame == 1);
+  }
+  EXPECT_EQ(metrics.scenes_loaded.load(), 1u);
+}
+
+TEST(SceneCache, NamesTheFrameThatCannotBeRendered) {
+  const TemporaryFolder folder;
+  const std::string blob = folder.path() / "blob";
+  write_file(blob, R"({
+  "camera": {"position": {"keyframes": [{"frame": 0, "value": [0, 0, 3]}, {"frame": 2, "value": [0, 0, -3]}]},
+             "look_at": [0, 0, 0]},
+  "materials": {"clay": {"type": "lambert"}},
+  "shapes": [{"type": "sphere", "radius": 1, "material": "clay"}]
+})");
+  Metrics metrics;
+  const SceneFiles files{.key = "key", .scene_path = "scene.json", .blob_paths = {{"scene.json", blob}}};
+  SceneCache cache(1, 1, metrics, confined(), {});
+  EXPECT_TRUE(cache.get(files, 2));
+  EXPECT_EQ(cache.get(files, 1).error().message,
+            "scene.json: frame 1: camera.look_at: must differ from camera.position");
 }
 
 }  // namespace

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+// Segments from the coordinator and from other workers, over real TLS on the loopback.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "fake_coordinator.hpp"
+#include "proto/peer_ticket.hpp"
+#include "proto/segments.hpp"
+#include "proto/worker_key.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "worker/peer_client.hpp"
+#include "worker/peer_server.hpp"
+#include "worker/segment_source.hpp"
+
+namespace tessera::worker {
+namespace {
+
+std::string contents_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// One worker that has the blob and serves it, and a cache of another one.
+class PeersTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    coordinator_.keep_blob(proto::to_proto(digest_).sha256(), blob_);
+    CoordinatorSource whole(coordinator_.stub());
+    ASSERT_TRUE(there_.get(digest_, {}, whole, {}));
+    auto server = PeerServer::start("127.0.0.1:0", there_);
+    ASSERT_TRUE(server) << server.error().message;
+    server_ = *std::move(server);
+  }
+  proto::Segment segment(std::uint64_t index) const { return proto::segment_at(blob_.size(), index); }
+  std::string bytes_of(const proto::Segment& segment) const {
+    return blob_.substr(segment.offset_bytes, segment.size_bytes);
+  }
+  // To the worker that serves.
+  v1::PeerReferral referral(std::uint64_t index, const std::string& worker_id = "there") const {
+    const v1::PeerEndpoint endpoint = server_->endpoint();
+    v1::PeerReferral referral;
+    *referral.mutable_segment() = proto::to_proto(segment(index));
+    const auto sha256 = proto::digest_of(bytes_of(segment(index))).sha256;
+    referral.set_segment_sha256(sha256.data(), sha256.size());
+    referral.set_worker_id(worker_id);
+    referral.set_address("127.0.0.1:" + std::to_string(endpoint.port()));
+    referral.set_certificate_pem(endpoint.certificate_pem());
+    *referral.mutable_ticket() = proto::sign_ticket(endpoint.ticket_key(), digest_, segment(index),
+                                                    endpoint.clock_seconds() + proto::kTicketSeconds);
+    return referral;
+  }
+  void send_segment(std::uint64_t index, grpc::ServerWriter<v1::FetchBlobResponse>& writer) const {
+    v1::FetchBlobResponse response;
+    *response.mutable_segment() = proto::to_proto(segment(index));
+    *response.mutable_chunk()->mutable_digest() = proto::to_proto(digest_);
+    const std::string bytes = bytes_of(segment(index));
+    for (std::size_t at = 0; at < bytes.size(); at += proto::kMaxChunkBytes) {
+      response.mutable_chunk()->set_data(bytes.substr(at, proto::kMaxChunkBytes));
+      writer.Write(response);
+      response.Clear();
+    }
+  }
+  static void refer(const v1::PeerReferral& referral, grpc::ServerWriter<v1::FetchBlobResponse>& writer) {
+    v1::FetchBlobResponse response;
+    *response.mutable_referral() = referral;
+    writer.Write(response);
+  }
+  core::Result<std::string> get() { return here_.get(digest_, {}, source_, {}); }
+  void expect_the_blob() {
+    const auto path = get();
+    ASSERT_TRUE(path) << path.error().message;
+    EXPECT_TRUE(contents_of(*path) == blob_);
+  }
+
+  const std::string blob_ = [] {
+    std::string bytes(2 * proto::kSegmentBytes + 12345, '\0');
+    for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * 31 + i / 251 + i / 65536);
+    return bytes;
+  }();
+  const proto::Digest digest_ = proto::digest_of(blob_);
+  const TemporaryFolder folder_;
+  FakeCoordinator coordinator_;
+  const BlobCache there_ = BlobCache::open(folder_.path() / "there").value();
+  const BlobCache here_ = BlobCache::open(folder_.path() / "here").value();
+  std::unique_ptr<PeerServer> server_;
+  SegmentSource source_{std::string(proto::kWorkerKeyBytes, 'k'), here_, coordinator_.stub(), nullptr};
+  PeerClient client_;
+};
+
+TEST_F(PeersTest, AWorkerSendsWhatItHasToHoldersOfATicket) {
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    const auto bytes = client_.fetch(digest_, referral(i), {});
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    EXPECT_TRUE(*bytes == bytes_of(segment(i)));
+  }
+  EXPECT_EQ(there_.traffic().peer_sent_bytes.load(), blob_.size());
+}
+
+TEST_F(PeersTest, NobodyElseGetsAnything) {
+  v1::PeerReferral forged = referral(0, "forged");
+  forged.mutable_ticket()->set_signature(std::string(32, 'x'));
+  EXPECT_EQ(client_.fetch(digest_, forged, {}).error().code, core::ErrorCode::kPermissionDenied);
+  v1::PeerReferral of_another_segment = referral(1, "other");
+  *of_another_segment.mutable_ticket() = referral(0).ticket();
+  EXPECT_EQ(client_.fetch(digest_, of_another_segment, {}).error().code, core::ErrorCode::kPermissionDenied);
+  v1::PeerReferral expired = referral(0, "expired");
+  *expired.mutable_ticket() = proto::sign_ticket(server_->endpoint().ticket_key(), digest_, segment(0), 0);
+  EXPECT_EQ(client_.fetch(digest_, expired, {}).error().code, core::ErrorCode::kPermissionDenied);
+  v1::PeerReferral impostor = referral(0, "impostor");
+  impostor.set_certificate_pem(make_peer_certificate().certificate_pem);
+  EXPECT_EQ(client_.fetch(digest_, impostor, {}).error().code, core::ErrorCode::kUnavailable)
+      << "its certificate is not the one that the coordinator has named";
+  EXPECT_EQ(there_.traffic().peer_sent_bytes.load(), 0u);
+}
+
+TEST_F(PeersTest, WhatAWorkerLacksIsNotFound) {
+  proto::Digest unknown = proto::digest_of("unknown");
+  unknown.size_bytes = blob_.size();
+  v1::PeerReferral asked = referral(0);
+  *asked.mutable_ticket() = proto::sign_ticket(server_->endpoint().ticket_key(), unknown, segment(0),
+                                               server_->endpoint().clock_seconds() + 10);
+  EXPECT_EQ(client_.fetch(unknown, asked, {}).error().code, core::ErrorCode::kNotFound);
+  EXPECT_THAT(client_.excluded(PeerClient::Clock::now()), ::testing::ElementsAre("there"));
+  EXPECT_THAT(client_.excluded(PeerClient::Clock::now() + 2 * PeerClient::kExcludedFor), ::testing::IsEmpty())
+      << "it may have it later";
+}
+
+TEST_F(PeersTest, AWorkerWithWrongBytesIsExcludedForGood) {
+  v1::PeerReferral wrong = referral(0);
+  wrong.set_segment_sha256(std::string(32, 'x'));
+  EXPECT_EQ(client_.fetch(digest_, wrong, {}).error().code, core::ErrorCode::kDataLoss);
+  EXPECT_THAT(client_.excluded(PeerClient::Clock::now() + std::chrono::hours(24)),
+              ::testing::ElementsAre("there"));
+}
+
+TEST_F(PeersTest, ABlobComesFromTheCoordinatorAndFromWorkers) {
+  coordinator_.answer_downloads_with([&](const v1::FetchBlobRequest& request, auto& writer) {
+    EXPECT_EQ(request.segment().worker_key(), std::string(proto::kWorkerKeyBytes, 'k'));
+    EXPECT_FALSE(request.segment().has_endpoint()) << "it serves nobody";
+    const auto held = proto::SegmentSet::from_bytes(request.segment().held(), 3);
+    if (!held->contains(1))
+      send_segment(1, writer);
+    else
+      refer(referral(held->contains(0) ? 2 : 0), writer);
+    return grpc::Status::OK;
+  });
+  expect_the_blob();
+  EXPECT_EQ(here_.traffic().peer_received_bytes.load(), blob_.size() - proto::kSegmentBytes);
+  EXPECT_EQ(here_.traffic().received_bytes.load(), blob_.size());
+}
+
+TEST_F(PeersTest, ABadWorkerIsNotAskedAgainAndHurtsNobody) {
+  std::vector<int> excluded;
+  coordinator_.answer_downloads_with([&](const v1::FetchBlobRequest& request, auto& writer) {
+    const auto held = proto::SegmentSet::from_bytes(request.segment().held(), 3);
+    std::uint64_t missing = 0;
+    while (held->contains(missing)) ++missing;
+    excluded.push_back(request.segment().excluded_worker_ids_size());
+    v1::PeerReferral bad = referral(missing);
+    bad.set_segment_sha256(std::string(32, 'x'));
+    excluded.back() == 0 ? refer(bad, writer) : send_segment(missing, writer);
+    return grpc::Status::OK;
+  });
+  expect_the_blob();
+  EXPECT_THAT(excluded, ::testing::ElementsAre(0, 1, 1, 1));
+  EXPECT_EQ(here_.traffic().peer_received_bytes.load(), 0u);
+}
+
+TEST_F(PeersTest, AnInterruptedBlobIsContinued) {
+  int calls = 0;
+  coordinator_.answer_downloads_with([&](const v1::FetchBlobRequest& request, auto& writer) {
+    const auto held = proto::SegmentSet::from_bytes(request.segment().held(), 3);
+    EXPECT_EQ(held->contains(0), calls > 0) << "what had come is still there";
+    switch (calls++) {
+      case 0:
+        send_segment(0, writer);
+        return grpc::Status::OK;
+      case 1:
+        return grpc::Status(grpc::StatusCode::UNAVAILABLE, "restarting");
+      default:
+        send_segment(held->contains(1) ? 2 : 1, writer);
+        return grpc::Status::OK;
+    }
+  });
+  expect_the_blob();
+  EXPECT_EQ(calls, 4);
+}
+
+TEST_F(PeersTest, ACoordinatorThatKnowsNoSegmentsSendsTheBlob) {
+  expect_the_blob();
+  EXPECT_EQ(coordinator_.fetches(), 3u) << "the other worker's, the question, the blob";
+}
+
+TEST_F(PeersTest, WhatIsDamagedAtTheCoordinatorIsFetchedWholeToTellIt) {
+  coordinator_.answer_downloads_with([&](const v1::FetchBlobRequest& request, auto& writer) {
+    if (!request.has_segment()) return grpc::Status(grpc::StatusCode::DATA_LOSS, "damaged");
+    const auto held = proto::SegmentSet::from_bytes(request.segment().held(), 3);
+    v1::FetchBlobResponse response;
+    std::uint64_t missing = 0;
+    while (held->contains(missing)) ++missing;
+    *response.mutable_segment() = proto::to_proto(segment(missing));
+    std::string left(segment(missing).size_bytes, 'x');
+    while (!left.empty()) {
+      response.mutable_chunk()->set_data(left.substr(0, proto::kMaxChunkBytes));
+      left.erase(0, proto::kMaxChunkBytes);
+      writer.Write(response);
+      response.Clear();
+    }
+    return grpc::Status::OK;
+  });
+  EXPECT_EQ(get().error().code, core::ErrorCode::kDataLoss);
+}
+
+TEST_F(PeersTest, AWorkerServesWhatItIsStillFetching) {
+  const auto partial = PartialBlob::create(folder_.path() / "partial", digest_);
+  ASSERT_TRUE(partial);
+  EXPECT_EQ((*partial)->read(segment(1), std::chrono::milliseconds(0)), std::nullopt);
+  ASSERT_TRUE((*partial)->add(segment(1), bytes_of(segment(1))));
+  EXPECT_TRUE((*partial)->read(segment(1), std::chrono::milliseconds(0)) == bytes_of(segment(1)));
+  PartialBlobs blobs;
+  {
+    const PartialBlobs::Listing listing(blobs, *partial);
+    EXPECT_EQ(blobs.find(digest_), *partial);
+  }
+  EXPECT_EQ(blobs.find(digest_), nullptr);
+}
+
+TEST(PeerServer, SaysWhyItCannotListen) {
+  const TemporaryFolder folder;
+  const auto cache = BlobCache::open(folder.path() / "cache");
+  const auto refused = PeerServer::start("192.0.2.1:1", *cache);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, ::testing::HasSubstr("--serve-blobs 192.0.2.1:1"));
+}
+
+}  // namespace
+}  // namespace tessera::worker
