@@ -32,8 +32,7 @@ bool results_are_lost() {
 }
 
 int print_error(std::string_view message) {
-  write(stderr, fmt::format("tessera: error: {}\n", core::printable_lines(message)));
-  return kExitFailed;
+  return cli::print_error("tessera", message);
 }
 
 int print_error(const core::Error& error) {

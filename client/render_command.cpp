@@ -2,12 +2,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "client/commands.hpp"
 #include "client/console.hpp"
@@ -21,6 +24,7 @@
 #include "core/image/file_io.hpp"
 #include "core/integrators/render.hpp"
 #include "core/scene/loader/loader.hpp"
+#include "core/scene/pose.hpp"
 
 namespace tessera::client {
 namespace {
@@ -91,8 +95,11 @@ Result<std::optional<core::SceneStore>> open_scene_store(const RenderOptions& op
 
 Result<core::PreparedScene> prepare(const std::optional<core::SceneStore>& store,
                                     const RenderOptions& options) {
-  if (store) return store->prepare_file(options.scene.scene_path, options.threads);
-  Result<core::SceneDescription> description = core::load_scene_file(options.scene.scene_path);
+  // A store knows scenes by their files.
+  if (store && options.scene.parameters.empty())
+    return store->prepare_file(options.scene.scene_path, options.threads);
+  Result<core::SceneDescription> description =
+      core::load_scene_file(options.scene.scene_path, options.scene.parameters);
   if (!description) return core::fail(description.error());
   return core::PreparedScene{std::move(*description)};
 }
@@ -112,6 +119,8 @@ Result<LoadedScene> load(const RenderOptions& options) {
   if (Status status = check_memory(*settings); !status) return core::fail(status.error());
   Status fits = check_picture_size(options.scene.output_paths, *settings);
   if (!fits) return core::fail(fits.error());
+  if (Status possible = core::validate_frames(description, options.frames.frames); !possible)
+    return core::fail(possible.error().within(options.scene.scene_path));
   const core::SceneDigest digest = options.sample ? core::SceneDigest{} : core::digest_of(description);
   const double loaded = steady_seconds();
   if (Status threads = core::check_threads(options.threads); !threads)
@@ -138,18 +147,45 @@ int print_sample(const core::Scene& scene, const core::RenderSettings& settings,
   return kExitOk;
 }
 
+// The options for one frame.
+RenderOptions options_of_frame(const RenderOptions& options, std::span<const std::int32_t> frames_left) {
+  RenderOptions of_frame = options;
+  if (options.frames.frames.empty()) return of_frame;
+  of_frame.scene.output_paths = paths_of_frame(options.scene.output_paths, frames_left.front());
+  if (options.frames.frames.size() > 1) of_frame.frames_left.assign(frames_left.begin(), frames_left.end());
+  return of_frame;
+}
+
+// Renders one frame after the other, of one scene in memory. Returns the exit status.
+int render_frames(const RenderOptions& options, const std::vector<std::int32_t>& frames,
+                  LoadedScene& loaded) {
+  const core::SceneDigest digest = loaded.digest;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const RenderOptions of_frame = options_of_frame(options, std::span(frames).subspan(i));
+    if (Status status = check_paths(of_frame); !status) return print_error(status.error());
+    if (Status shown = loaded.scene.set_frame(frames[i], options.threads); !shown)
+      return print_error(shown.error().within(options.scene.scene_path));
+    if (i == 0 && loaded.scene.lights().empty()) warn_about_darkness(options.scene.scene_path);
+    if (options.sample) return print_sample(loaded.scene, loaded.stats.settings, *options.sample);
+    loaded.digest = core::digest_at_frame(digest, loaded.scene.animation(), frames[i]);
+    if (const int status = render_to_files(of_frame, loaded); status != kExitOk) return status;
+  }
+  return kExitOk;
+}
+
 int run_render(const RenderOptions& options) {
-  if (Status status = check_paths(options); !status) return print_error(status.error());
+  const std::vector<std::int32_t> frames =
+      options.frames.frames.empty() ? std::vector<std::int32_t>{0} : render_order(options.frames);
+  if (Status status = check_paths(options_of_frame(options, frames)); !status)
+    return print_error(status.error());
   warn_about_idle_display(options.scene.output_paths, options.scene.display);
   Result<LoadedScene> loaded = load(options);
   if (!loaded) return print_error(loaded.error());
-  if (loaded->scene.lights().empty()) warn_about_darkness(options.scene.scene_path);
-  if (options.sample) return print_sample(loaded->scene, loaded->stats.settings, *options.sample);
   if (Status threads =
           core::check_threads(options.threads + kBackgroundThreads + (options.view ? kViewThreads : 0));
       !threads)
     return print_error(threads.error().within("--threads"));
-  return render_to_files(options, *loaded);
+  return render_frames(options, frames, *loaded);
 }
 
 }  // namespace

@@ -34,7 +34,10 @@ that --resume continues. A second Ctrl-C ends the program at once.)",
                  "tessera render scene.json -o out.exr -o out.png --spp 256 --size 1920x1080",
                  "tessera render scene.json -o quick.png --spp 4 --stats stats.json",
                  "tessera render scene.json -o out.exr --time 1h30m",
-                 "tessera render scene.json -o out.exr --resume --spp 512"}};
+                 "tessera render scene.json -o out.exr --resume --spp 512",
+                 "tessera render turntable -o out.####.exr --frames 1-48",
+                 "tessera render scene.json -o red.png -D materials.clay.albedo=[0.8,0.1,0.1]"},
+    .required_arguments = {"SCENE"}};
 
 core::SampleId parse_sample(const std::string& text) {
   const std::size_t first = text.find(','), second = text.find(',', first + 1);
@@ -126,11 +129,33 @@ void add_local_options(CLI::App& command, RenderOptions& options) {
       ->type_name("N")
       ->capture_default_str();
   command.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only");
+  command.add_flag(
+      "--json", options.json,
+      "Print the progress as JSON, one line a second, each the job as 'tessera watch --json' prints it. "
+      "The last one lists the files under \"written\"");
   command
       .add_option_function<std::string>(
           "--sample", [&options](const std::string& text) { options.sample = parse_sample(text); },
           "Print the radiance of sample S of pixel (X, Y), and render nothing else")
+      ->excludes("--json")
       ->type_name("X,Y,S");
+}
+
+// What concerns one image alone cannot be said of several.
+void check_frame_flags(const RenderOptions& options) {
+  const std::size_t count = options.frames.frames.size();
+  if (core::Status fit = check_frame_paths(options.scene.output_paths, count); !fit)
+    throw CLI::ValidationError("-o", fit.error().message);
+  if (count < 2) return;
+  const std::pair<const char*, bool> of_one_image[] = {
+      {"--sample", options.sample.has_value()},
+      {"--stats", !options.stats_path.empty()},
+      {"--time", options.time_seconds.has_value()},
+      {"--checkpoint", !options.checkpoint_path.empty()},
+      {"--resume FILE", options.resume && !options.resume->empty()},
+      {"--view", options.view.has_value()}};
+  for (const auto& [flag, is_given] : of_one_image)
+    if (is_given) throw CLI::ValidationError(flag, "cannot be given with several --frames");
 }
 
 }  // namespace
@@ -139,6 +164,8 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   options.threads = static_cast<int>(core::available_threads());
   add_scene_argument(command, options.scene);
   add_output_option(command, options.scene);
+  add_frame_options(command, options.frames);
+  add_parameter_option(command, options.scene.parameters);
   add_override_options(command, options.scene.overrides);
   add_display_options(command, options.scene.display);
   add_checkpoint_options(command, options);
@@ -160,6 +187,7 @@ void complete_render_options(RenderOptions& options) {
   if (scene.empty() && options.resume) scene = find_scene(std::exchange(*options.resume, ""));
   if (scene.empty()) throw CLI::RequiredError("SCENE");
   if (options.scene.output_paths.empty() && !options.sample) throw CLI::RequiredError("-o FILE");
+  check_frame_flags(options);
   if (const std::string address = take_argument(options.tev); !address.empty())
     throw CLI::ValidationError("--tev", fmt::format("must be HOST:PORT; got '{}'", address));
 }

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "client/frames.hpp"
 #include "client/scene_flags.hpp"
 #include "core/film/film.hpp"
 #include "core/scene/cache/scene_store.hpp"
@@ -14,6 +17,8 @@ namespace tessera::client {
 
 struct RenderOptions {
   SceneFlags scene;  // what to render, and where to put it
+  FrameFlags frames;
+  std::vector<std::int32_t> frames_left{};  // of several: the one that is rendered, and those after it
   int threads = 1;
   std::string stats_path;   // empty: none
   std::string scene_cache;  // a folder; empty: none
@@ -27,6 +32,7 @@ struct RenderOptions {
   std::optional<std::string> view;       // HOST:PORT where the page is served
   std::optional<core::SampleId> sample;  // replay this one instead of rendering
   bool quiet = false;                    // no progress and no summary; warnings remain
+  bool json = false;                     // the progress as JSON on stdout, and no summary
 };
 
 // Adds the options of `render` and its help. Values are stored in `options` while the command line is parsed;

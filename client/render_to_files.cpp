@@ -18,6 +18,7 @@
 #include "client/local_render.hpp"
 #include "client/notices.hpp"
 #include "client/page/local_view.hpp"
+#include "client/page/progress_lines.hpp"
 #include "client/picture_files.hpp"
 #include "client/render_report.hpp"
 #include "client/tev_observer.hpp"
@@ -38,7 +39,8 @@ Result<std::unique_ptr<SharedFilm>> first_film(const RenderOptions& options, con
   if (checkpoint) return std::make_unique<SharedFilm>(std::move(checkpoint->film), checkpoint->header.totals);
   if (is_named || checkpoint.error().code != core::ErrorCode::kNotFound)
     return core::fail(checkpoint.error().within("--resume"));
-  print_warning(checkpoint.error().message + ": rendering from the start");
+  // Of several frames, one alone was interrupted.
+  if (options.frames_left.empty()) print_warning(checkpoint.error().message + ": rendering from the start");
   return empty;
 }
 
@@ -60,6 +62,11 @@ std::unique_ptr<BackgroundTask> image_updates(const RenderOptions& options, cons
   return std::make_unique<BackgroundTask>(
       *options.update_seconds, update,
       [&notices](const std::string& message) { notices.add("--update-every: " + message); });
+}
+
+// Without the progress and the summary for people.
+bool is_silent(const RenderOptions& options) {
+  return options.quiet || options.json;
 }
 
 void print_notices(Notices& notices, ProgressLine& progress) {
@@ -89,24 +96,24 @@ Result<std::unique_ptr<LocalView>> start_view(const RenderOptions& options, cons
 
 // Shows the image until Ctrl-C. Returns the exit status.
 int stay(LocalView& view, const SharedFilm& film) {
+  view.show(film.film());
   print_note(fmt::format("the page stays at {} until Ctrl-C", view.url()));
-  view.stay(film.film(), interrupted);
+  view.stay(interrupted);
   return kExitOk;
 }
 
 // Renders with everything around it that runs meanwhile. Returns whether the film is complete.
-bool take_samples(const RenderOptions& options, const LoadedScene& loaded, SharedFilm& film, LocalView* view,
-                  Notices& notices) {
+bool take_samples(const RenderOptions& options, const LoadedScene& loaded, SharedFilm& film,
+                  std::vector<RenderObserver*> observers, Notices& notices) {
   const double start = steady_seconds();
-  ProgressLine progress(options.quiet ? no_progress_output() : stderr_progress_output(), start);
+  ProgressLine progress(is_silent(options) ? no_progress_output() : stderr_progress_output(), start);
   std::optional<TevObserver> tev;
-  LocalRender render{loaded.scene, loaded.stats.settings, options.threads};
+  LocalRender render{loaded.scene, loaded.stats.settings, options.threads, std::move(observers)};
   if (options.tev) {
     const auto& outputs = options.scene.output_paths;
     tev.emplace(*options.tev, outputs.front(), notices);
     render.observers.push_back(&*tev);
   }
-  if (view != nullptr) render.observers.push_back(view);
   const auto updates = image_updates(options, loaded, film, notices);
   const bool complete = render_locally(render, film, progress, [&] {
     print_notices(notices, progress);
@@ -129,10 +136,13 @@ void report_stop(const RenderOptions& options, const std::string& progress, bool
       "{} at {}; wrote {}{}", interrupted() ? "interrupted" : "stopped by --time", progress,
       fmt::join(options.scene.output_paths, ", "),
       has_checkpoint
-          ? fmt::format(" and {}. To go on, give the same command with --resume", checkpoint_path_of(options))
+          ? fmt::format(
+                " and {}. To go on, give the same command with {}--resume", checkpoint_path_of(options),
+                options.frames_left.empty() ? ""
+                                            : fmt::format("--frames {} ", frames_text(options.frames_left)))
           : "");
   if (interrupted()) return print_warning(what);
-  if (!options.quiet) print_note(what);
+  if (!is_silent(options)) print_note(what);
 }
 
 // Brings the checkpoint to its final state. Failures are warned of: the image is not affected.
@@ -159,8 +169,13 @@ int render_to_files(const RenderOptions& options, LoadedScene& loaded) {
   CheckpointKeeper keeper(plan_of(options), render, **film, notices);
   const auto view = start_view(options, loaded);
   if (!view) return print_error(view.error());
+  std::optional<ProgressLines> lines;
+  if (options.json) lines.emplace(scene_name(scene_path), stats.settings, loaded.display);
+  std::vector<RenderObserver*> observers;
+  if (lines) observers.push_back(&*lines);
+  if (*view) observers.push_back(view->get());
   watch_for_interrupt();
-  stats.is_complete = take_samples(options, loaded, **film, view->get(), notices);
+  stats.is_complete = take_samples(options, loaded, **film, std::move(observers), notices);
   const RenderTotals totals = (*film)->totals();
   stats.counters = totals.counters;
   stats.render_seconds = totals.seconds;
@@ -175,9 +190,10 @@ int render_to_files(const RenderOptions& options, LoadedScene& loaded) {
   // For a scene without lights, a warning has been printed before.
   if (!loaded.scene.lights().empty()) warn_about_blackness(image);
   if (Status status = write_results(options, loaded, image); !status) return print_error(status.error());
+  if (lines) lines->finish(options.scene.output_paths);
   if (stats.is_complete) {
     keep(keeper, true);
-    if (!options.quiet) print_summary(options.scene.output_paths, stats);
+    if (!is_silent(options)) print_summary(options.scene.output_paths, stats);
   } else {
     report_stop(options, progress_text((*film)->film(), stats), is_saved);
     if (interrupted()) return kExitInterrupted;

@@ -170,6 +170,23 @@ void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
       ->type_name("N");
 }
 
+void add_parameter_option(CLI::App& command, std::vector<core::ParameterOverride>& parameters) {
+  command
+      .add_option_function<std::vector<std::string>>(
+          "-D,--define",
+          [&parameters](const std::vector<std::string>& texts) {
+            for (const std::string& text : texts) {
+              auto parsed = core::parse_override(text);
+              if (!parsed) throw CLI::ValidationError("-D", parsed.error().message);
+              parameters.push_back(*std::move(parsed));
+            }
+          },
+          "Replace a parameter of the scene file, such as camera.position=[0,1,5] or "
+          "lights[0].intensity=20. Can be given several times")
+      ->allow_extra_args(false)
+      ->type_name("PATH=VALUE");
+}
+
 void add_display_options(CLI::App& command, core::DisplayOverrides& overrides) {
   command
       .add_option_function<std::string>(

@@ -7,15 +7,17 @@
 #include <vector>
 
 #include "core/image/display.hpp"
+#include "core/scene/loader/parameter_override.hpp"
 #include "core/scene/settings.hpp"
 
 namespace tessera::client {
 
 struct SceneFlags {
   std::string scene_path;
-  std::vector<std::string> output_paths;  // in the order given
-  core::RenderOverrides overrides;        // override the scene file's settings
-  core::DisplayOverrides display;         // the same for PNG files
+  std::vector<std::string> output_paths;            // in the order given
+  std::vector<core::ParameterOverride> parameters;  // replace parameters of the scene file
+  core::RenderOverrides overrides;                  // override its settings, after that
+  core::DisplayOverrides display;                   // the same for PNG files
 };
 
 // Adds SCENE and -o/--output. Values are stored in `flags` while the command line is parsed; `flags` must
@@ -26,6 +28,9 @@ void add_output_option(CLI::App& command, SceneFlags& flags);
 // Adds --spp, --size, --crop, --integrator, --heuristic, --clamp-indirect and --seed. A bad value ends
 // parsing with a sentence that names the flag.
 void add_override_options(CLI::App& command, core::RenderOverrides& overrides);
+
+// Adds -D in the same way.
+void add_parameter_option(CLI::App& command, std::vector<core::ParameterOverride>& parameters);
 
 // Adds --exposure and --tone-curve in the same way.
 void add_display_options(CLI::App& command, core::DisplayOverrides& overrides);

@@ -9,6 +9,7 @@
 #include "core/base/printable.hpp"
 #include "core/scene/loader/asset_source.hpp"
 #include "core/scene/loader/loader.hpp"
+#include "core/scene/pose.hpp"
 #include "core/scene/validation.hpp"
 #include "proto/blob.hpp"
 #include "proto/text.hpp"
@@ -40,20 +41,21 @@ core::Status two_files(const std::string& name) {
 
 }  // namespace
 
-core::Result<LocalBundle> bundle_scene(const std::string& scene_path,
-                                       const core::RenderOverrides& overrides) {
+core::Result<LocalBundle> bundle_scene(const std::string& scene_path, const SceneChoice& choice) {
   const std::filesystem::path file(scene_path);
   const std::string scene_name = file.filename().string();
   LocalBundle local;
   local.folder = file.parent_path().string();
 
-  core::FolderAssets files(local.folder);
+  core::FolderAssets folder(local.folder);
+  core::OverriddenAssets files(folder, scene_name, choice.parameters);
   std::map<std::string, proto::Digest> digests;
   core::Status distinct;
   core::RecordingAssets recording(files, [&](const std::string& path, const std::string& bytes) {
     const std::string name = core::printable(path);
     if (local.paths.emplace(name, path).first->second != path) distinct = two_files(name);
     digests[name] = proto::digest_of(bytes);
+    if (path == scene_name && !choice.parameters.empty()) local.scene_text = bytes;
   });
   const auto scene = core::load_scene(recording, scene_name, scene_path);
   if (!scene) return fail(scene.error());
@@ -62,10 +64,12 @@ core::Result<LocalBundle> bundle_scene(const std::string& scene_path,
     if (const core::Status fit = proto::check_text("the name of a file", path, proto::kMaxPathBytes); !fit)
       return fail(fit.error().within(scene_path));
   }
-  const auto settings = core::resolve_settings(scene->settings, overrides);
+  const auto settings = core::resolve_settings(scene->settings, choice.overrides);
   if (!settings) return fail(settings.error().within(scene_path));
   if (const core::Status valid = core::validate_scene(*scene); !valid)
     return fail(valid.error().within(scene_path));
+  if (const core::Status possible = core::validate_frames(*scene, choice.frames); !possible)
+    return fail(possible.error().within(scene_path));
   local.settings = *settings;
   local.gives_light = core::gives_light(*scene);
   local.warnings = scene->warnings;

@@ -3,11 +3,14 @@
 // anything is sent, with the messages of `tessera render`.
 #pragma once
 
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/scene/loader/parameter_override.hpp"
 #include "core/scene/settings.hpp"
 #include "tessera/v1/types.pb.h"
 
@@ -20,8 +23,17 @@ struct LocalBundle {
   core::RenderSettings settings;             // the scene's, with the overrides
   bool gives_light = true;
   std::vector<std::string> warnings;  // about the scene's files
+  // The scene file of the bundle, if parameters were replaced in it.
+  std::optional<std::string> scene_text{};
 };
 
-core::Result<LocalBundle> bundle_scene(const std::string& scene_path, const core::RenderOverrides& overrides);
+// What to render of a scene file.
+struct SceneChoice {
+  core::RenderOverrides overrides{};
+  std::vector<core::ParameterOverride> parameters{};
+  std::vector<std::int32_t> frames{};  // empty: frame 0
+};
+
+core::Result<LocalBundle> bundle_scene(const std::string& scene_path, const SceneChoice& choice);
 
 }  // namespace tessera::client

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <system_error>
 
@@ -19,6 +20,8 @@
 #include "client/farm/submission.hpp"
 #include "client/farm/watching.hpp"
 #include "client/interrupt.hpp"
+#include "client/notices.hpp"
+#include "proto/json.hpp"
 
 namespace tessera::client {
 namespace {
@@ -35,6 +38,7 @@ struct DemoOptions {
   std::string scene;  // empty: the first scene that is there
   std::string http = "127.0.0.1:0";
   bool once = false;
+  bool json = false;
 };
 
 // Removed at the end, with what is in it.
@@ -98,18 +102,30 @@ core::Result<Processes> start_farm(const DemoOptions& options, const fs::path& f
                    .page = *page};
 }
 
+void print_addresses(const Processes& processes, bool json) {
+  const nlohmann::ordered_json addresses = {{"page", processes.page}, {"coordinator", processes.address}};
+  print_result(json ? proto::to_line(addresses) + "\n"
+                    : fmt::format("The page of this farm: {}\nCtrl-C ends the demo.\n", processes.page));
+}
+
+core::Result<v1::Job> follow(Farm& farm, const std::string& job_id, bool json) {
+  Notices none;
+  return json ? watch_with_lines(farm, job_id, none) : watch_with_progress(farm, job_id, none);
+}
+
 // Renders the scene, and returns the exit status that its job deserves.
-core::Result<int> render_on(const Processes& processes, const LocalBundle& local) {
+core::Result<int> render_on(const Processes& processes, const LocalBundle& local, bool json) {
   const auto opened = Farm::open({.address = processes.address});
   if (!opened) return core::fail(opened.error());
   Farm& farm = **opened;
   const auto job = submit_job(farm, {}, local);
   if (!job) return core::fail(job.error());
-  print_note(fmt::format("renders {}, {} pixels, {} spp, as job {}", job->name(), size_text(job->settings()),
-                         job->settings().spp(), short_id(job->id())));
-  const auto ended = watch_with_progress(farm, job->id());
+  if (!json)
+    print_note(fmt::format("renders {}, {} pixels, {} spp, as job {}", job->name(),
+                           size_text(job->settings()), job->settings().spp(), short_id(job->id())));
+  const auto ended = follow(farm, job->id(), json);
   if (!ended) return core::fail(ended.error());
-  if (const int status = report_end(*ended); status != kExitOk) return status;
+  if (const int status = report_end(*ended); status != kExitOk || json) return status;
   print_note(fmt::format("done. Save the image: tessera image {} --coordinator {} -o demo.png",
                          short_id(job->id()), processes.address));
   return kExitOk;
@@ -136,8 +152,8 @@ int run_demo(const DemoOptions& options) {
   watch_for_interrupt();
   auto processes = start_farm(options, folder.path());
   if (!processes) return interrupted() ? kExitOk : print_error(processes.error());
-  print_result(fmt::format("The page of this farm: {}\nCtrl-C ends the demo.\n", processes->page));
-  const auto status = render_on(*processes, *local);
+  print_addresses(*processes, options.json);
+  const auto status = render_on(*processes, *local, options.json);
   if (interrupted()) return kExitOk;
   if (!status) return print_error(status.error());
   if (options.once || *status != kExitOk) return *status;
@@ -156,6 +172,9 @@ void add_demo_command(CLI::App& app, int& exit_code) {
       ->type_name("HOST:PORT")
       ->capture_default_str();
   command->add_flag("--once", options->once, "End when the image is done");
+  command->add_flag(
+      "--json", options->json,
+      "Print JSON: a line with the addresses of page and coordinator, then one at every change of the job");
   cli::set_help(
       *command,
       {.notes = "Starts tessera-coordinator and tessera-worker from the folder of this program, with "

@@ -29,7 +29,7 @@ namespace tessera::client {
 
 struct FarmOptions {
   std::string address = proto::kDefaultCoordinator;  // HOST:PORT
-  proto::ClientSecurity security;
+  proto::ClientSecurity security{};
   std::chrono::seconds patience{60};  // how long to retry while a coordinator restarts or is overloaded
   std::chrono::seconds start_patience{
       5};  // how long to retry without a connection, since the coordinator may be starting

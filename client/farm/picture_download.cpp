@@ -90,8 +90,8 @@ core::Result<v1::Job> download_pictures(Farm& farm, const std::string& job_id,
 }
 
 core::Result<v1::Job> download_finished_pictures(Farm& farm, const std::string& job_id,
-                                                 const std::vector<std::string>& paths) {
-  return download_to(farm, job_id, paths, {}, true);
+                                                 const std::vector<std::string>& paths, std::uint32_t image) {
+  return download_to(farm, job_id, paths, {.image = image}, true);
 }
 
 }  // namespace tessera::client

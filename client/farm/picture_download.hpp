@@ -26,10 +26,11 @@ struct PictureView {
 core::Result<v1::Job> download_pictures(Farm& farm, const std::string& job_id,
                                         const std::vector<std::string>& paths, const PictureView& view);
 
-// The same for the first image of a job that was DONE. If it is no longer DONE, writes nothing and
+// The same for an image of a job that was DONE. If it is no longer DONE, writes nothing and
 // returns the job: a coordinator that crashed with a full disk, or that quarantines a worker, may run it
 // again.
 core::Result<v1::Job> download_finished_pictures(Farm& farm, const std::string& job_id,
-                                                 const std::vector<std::string>& paths);
+                                                 const std::vector<std::string>& paths,
+                                                 std::uint32_t image = 0);
 
 }  // namespace tessera::client

@@ -31,6 +31,7 @@ v1::SubmitJobRequest make_request(const Submission& submission, const LocalBundl
   request.set_priority(submission.service.priority.value_or(0));
   request.set_max_workers(submission.service.max_workers.value_or(0));
   *request.mutable_display() = proto::to_proto(submission.display);
+  request.mutable_frames()->Add(submission.frames.begin(), submission.frames.end());
   for (const auto& [key, value] : submission.labels) (*request.mutable_labels())[key] = value;
   return request;
 }

@@ -2,7 +2,9 @@
 // Submits a bundled scene to a farm. Blocks, and retries while the coordinator restarts or asks to wait.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "client/farm/bundle.hpp"
 #include "client/farm/farm.hpp"
@@ -19,6 +21,7 @@ struct Submission {
   std::string name{};  // empty: that of the scene file
   ServiceOptions service{};
   Labels labels{};
+  std::vector<std::int32_t> frames{};  // an image for each, in this order; empty: one of frame 0
 };
 
 // Uploads what the farm lacks, submits the job, and returns it when its scene is validated. Prints the

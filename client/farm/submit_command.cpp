@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "client/console.hpp"
 #include "client/farm/bundle.hpp"
@@ -15,6 +17,7 @@
 #include "client/farm/single_commands.hpp"
 #include "client/farm/submission.hpp"
 #include "client/farm/watching.hpp"
+#include "client/frames.hpp"
 #include "client/interrupt.hpp"
 #include "client/picture_files.hpp"
 #include "client/scene_flags.hpp"
@@ -35,11 +38,13 @@ Ctrl-C while waiting leaves the job running and writes no file.)",
                       {kExitUsage, "wrong command line"},
                       {kExitInterrupted, "interrupted"}},
     .examples = {"tessera submit scene.json",
-                 "tessera submit scene.json --wait -o out.exr -o out.png --spp 1024"}};
+                 "tessera submit scene.json --wait -o out.exr -o out.png --spp 1024",
+                 "tessera submit turntable --frames 1-48 --preview-first --wait -o out.####.exr"}};
 
 struct SubmitOptions {
   FarmOptions farm;
   SceneFlags scene;
+  FrameFlags frames;
   std::string name;
   ServiceOptions service;
   Labels labels;
@@ -63,6 +68,26 @@ void print_summary(const v1::Job& job, const std::vector<std::string>& paths) {
                          format_count(static_cast<double>(job.samples_done()) / seconds)));
 }
 
+// Downloads all images of a job that was DONE. Returns the job when the last one was taken, or when it was no
+// longer DONE. `written` are the files.
+core::Result<v1::Job> download_frames(Farm& farm, const SubmitOptions& options, const std::string& id,
+                                      std::vector<std::string>& written) {
+  const auto& paths = options.scene.output_paths;
+  const std::vector<std::int32_t> frames = render_order(options.frames);
+  written = paths;
+  if (frames.empty()) return download_finished_pictures(farm, id, paths);
+  written.clear();
+  v1::Job job;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const std::vector<std::string> of_frame = paths_of_frame(paths, frames[i]);
+    auto got = download_finished_pictures(farm, id, of_frame, static_cast<std::uint32_t>(i));
+    if (!got || got->state() != v1::JOB_STATE_DONE) return got;
+    written.insert(written.end(), of_frame.begin(), of_frame.end());
+    job = *std::move(got);
+  }
+  return job;
+}
+
 int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& submitted) {
   watch_for_interrupt();
   while (true) {
@@ -75,7 +100,8 @@ int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& subm
       if (options.json) print_result(to_json_line(*job));
       return kExitOk;
     }
-    const auto pictured = download_finished_pictures(farm, job->id(), paths);
+    std::vector<std::string> written;
+    const auto pictured = download_frames(farm, options, job->id(), written);
     if (!pictured) {
       print_error(pictured.error());
       print_hint(fmt::format("tessera image {} -o FILE", short_id(job->id())));
@@ -83,7 +109,7 @@ int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& subm
     }
     if (pictured->state() == v1::JOB_STATE_DONE) {
       if (options.json) print_result(to_json_line(*pictured));
-      print_summary(*pictured, paths);
+      print_summary(*pictured, written);
       return kExitOk;
     }
     print_warning("the job is not done any more; waiting for it");
@@ -93,8 +119,13 @@ int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& subm
 int run_submit(const SubmitOptions& options) {
   if (core::Status fit = proto::check_text("--name", options.name); !fit) return print_error(fit.error());
   const auto& paths = options.scene.output_paths;
-  if (core::Status writable = check_picture_paths(paths); !writable) return print_error(writable.error());
-  const auto local = bundle_scene(options.scene.scene_path, options.scene.overrides);
+  const std::vector<std::int32_t> frames = render_order(options.frames);
+  const auto first_paths = frames.empty() ? paths : paths_of_frame(paths, frames.front());
+  if (core::Status writable = check_picture_paths(first_paths); !writable)
+    return print_error(writable.error());
+  const auto local = bundle_scene(
+      options.scene.scene_path,
+      {.overrides = options.scene.overrides, .parameters = options.scene.parameters, .frames = frames});
   if (!local) return print_error(local.error());
   core::Status fits = check_picture_size(paths, local->settings);
   if (!fits) return print_error(fits.error());
@@ -111,7 +142,8 @@ int run_submit(const SubmitOptions& options) {
                               .display = options.scene.display,
                               .name = options.name,
                               .service = options.service,
-                              .labels = options.labels};
+                              .labels = options.labels,
+                              .frames = frames};
   const auto job = submit_job(farm, submission, *local);
   if (!job) return print_error(job.error());
   print_result(options.json ? to_json_line(*job) : core::printable(job->id()) + "\n");
@@ -129,6 +161,8 @@ void add_submit_command(CLI::App& app, int& exit_code) {
   add_scene_argument(*command, options->scene);
   command->add_flag("--wait", options->wait, "Wait until the job is done, then write the images");
   add_output_option(*command, options->scene);
+  add_frame_options(*command, options->frames);
+  add_parameter_option(*command, options->scene.parameters);
   add_override_options(*command, options->scene.overrides);
   add_display_options(*command, options->scene.display);
   command->add_option("--name", options->name, "Name of the job [default: the scene file's name]")
@@ -143,6 +177,9 @@ void add_submit_command(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] {
     if (!options->scene.output_paths.empty() && !options->wait)
       throw CLI::RequiredError("-o writes the finished image, so --wait");
+    if (core::Status fit = check_frame_paths(options->scene.output_paths, options->frames.frames.size());
+        !fit)
+      throw CLI::ValidationError("-o", fit.error().message);
     exit_code = run_submit(*options);
   });
 }

@@ -7,7 +7,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <set>
+#include <sstream>
 #include <utility>
 
 #include "core/scene/loader/asset_source.hpp"
@@ -34,24 +36,33 @@ core::Error has_changed(const std::string& name) {
           fmt::format("'{}' has changed since the scene was read: submit it again", name)};
 }
 
-// A local file that is read in chunks.
+bool is_scene_text(const LocalBundle& local, const std::string& name) {
+  return local.scene_text && name == local.bundle.scene_path();
+}
+
+std::unique_ptr<std::istream> open_file(const LocalBundle& local, const std::string& name) {
+  if (is_scene_text(local, name)) return std::make_unique<std::istringstream>(*local.scene_text);
+  return std::make_unique<std::ifstream>(
+      std::filesystem::path(local.folder.empty() ? "." : local.folder) / local.paths.at(name),
+      std::ios::binary);
+}
+
+// A file of the bundle that is read in chunks.
 class FileReader {
  public:
-  FileReader(const LocalBundle& local, const std::string& name)
-      : file_(std::filesystem::path(local.folder.empty() ? "." : local.folder) / local.paths.at(name),
-              std::ios::binary) {}
+  FileReader(const LocalBundle& local, const std::string& name) : file_(open_file(local, name)) {}
 
-  void seek(std::uint64_t offset_bytes) { file_.seekg(static_cast<std::streamoff>(offset_bytes)); }
+  void seek(std::uint64_t offset_bytes) { file_->seekg(static_cast<std::streamoff>(offset_bytes)); }
   // The next bytes, fewer only at the end of the file or where it cannot be read.
   std::string next(std::uint64_t max_bytes) {
     std::string bytes(std::min<std::uint64_t>(max_bytes, proto::kChunkBytes), '\0');
-    file_.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file_.gcount())));
+    file_->read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file_->gcount())));
     return bytes;
   }
 
  private:
-  std::ifstream file_;
+  std::unique_ptr<std::istream> file_;
 };
 
 proto::Digest digest_of_file(const LocalBundle& local, const std::string& name) {
@@ -128,7 +139,8 @@ core::Status upload_large(Farm& farm, const LocalBundle& local, const MissingFil
 core::Status add_small(const LocalBundle& local, const MissingFile& file,
                        v1::BatchUploadBlobsRequest& batch) {
   core::FolderAssets files(local.folder);
-  auto bytes = files.read(local.paths.at(file.name));
+  auto bytes = is_scene_text(local, file.name) ? core::Result<std::string>(*local.scene_text)
+                                               : files.read(local.paths.at(file.name));
   if (!bytes) return fail(bytes.error());
   if (proto::digest_of(*bytes) != file.digest) return fail(has_changed(file.name));
   v1::BatchUploadBlobsRequest::Blob& blob = *batch.add_blobs();

@@ -25,17 +25,6 @@ struct WatchOptions {
   bool json = false;
 };
 
-core::Result<v1::Job> watch_for_programs(Farm& farm, const std::string& id, Notices& notices) {
-  return watch_job(
-      farm, id,
-      [&](const v1::Job& job) {
-        print_warnings(notices.take());
-        print_result(to_json_line(job));
-        if (results_are_lost()) interrupt();
-      },
-      [](const std::string&) {});
-}
-
 int run_watch(const WatchOptions& options) {
   const auto opened = Farm::open(options.farm);
   if (!opened) return print_error(opened.error());
@@ -46,7 +35,7 @@ int run_watch(const WatchOptions& options) {
   Notices notices;
   std::optional<TevWatch> tev;
   if (options.tev) tev.emplace(farm, found->id(), *options.tev, notices);
-  const auto job = options.json ? watch_for_programs(farm, found->id(), notices)
+  const auto job = options.json ? watch_with_lines(farm, found->id(), notices)
                                 : watch_with_progress(farm, found->id(), notices);
   if (tev) tev->finish(job.has_value());
   print_warnings(notices.take());

@@ -134,6 +134,17 @@ core::Result<v1::Job> watch_with_progress(Farm& farm, const std::string& job_id,
   return job;
 }
 
+core::Result<v1::Job> watch_with_lines(Farm& farm, const std::string& job_id, Notices& notices) {
+  return watch_job(
+      farm, job_id,
+      [&](const v1::Job& job) {
+        print_warnings(notices.take());
+        print_result(to_json_line(job));
+        if (results_are_lost()) interrupt();
+      },
+      [](const std::string&) {});
+}
+
 int report_end(const v1::Job& job) {
   const v1::Counters& counters = job.counters();
   if (counters.non_finite_samples() > 0)

@@ -24,6 +24,10 @@ core::Result<v1::Job> wait_until_validated(Farm& farm, const v1::Job& submitted,
 core::Result<v1::Job> watch_with_progress(Farm& farm, const std::string& job_id, Notices& notices);
 core::Result<v1::Job> watch_with_progress(Farm& farm, const std::string& job_id);
 
+// The same, with a line of JSON on stdout for each update, and with notices of other threads. Ends when
+// nobody reads stdout.
+core::Result<v1::Job> watch_with_lines(Farm& farm, const std::string& job_id, Notices& notices);
+
 // Says on stderr what is wrong with a job that is over, if anything is. The exit status it deserves.
 int report_end(const v1::Job& job);
 

@@ -42,6 +42,13 @@ void add_settings(Json& json, const core::RenderSettings& settings) {
   json["filter_radius"] = shortest(settings.filter.radius_px);
 }
 
+std::uint64_t samples_of(const core::Film& film) {
+  std::uint64_t samples = 0;
+  for (int tile = 0; tile < film.grid().tile_count(); ++tile)
+    samples += std::uint64_t{film.grid().rect(tile).pixel_count()} * film.samples(tile);
+  return samples;
+}
+
 // What a job of a farm has.
 void add_farm_parts(Json& json) {
   json["samples_to_verify"] = 0;
@@ -59,7 +66,8 @@ LocalJob::LocalJob(std::string name, const core::RenderSettings& settings,
                    const core::DisplaySettings& display)
     : name_(std::move(name)), settings_(settings), display_(display) {}
 
-void LocalJob::begin(std::uint64_t samples) {
+void LocalJob::begin(const core::Film& film) {
+  const std::uint64_t samples = samples_of(film);
   const std::lock_guard lock(mutex_);
   first_samples_ = samples_ = samples;
   began_ = changed_ = Clock::now();
@@ -105,11 +113,12 @@ view::JobHeader LocalJob::header() const {
   json["samples_per_second"] = is_over_ ? 0 : rate;
   json["seconds_left"] =
       is_over_ || rate <= 0 ? Json(nullptr) : Json(static_cast<double>(total - samples_) / rate);
+  json["image_count"] = 1;
   json["created_at"] = to_text(created_);
   json["finished_at"] = is_over_ ? Json(to_text(finished_)) : Json(nullptr);
   json["revision"] = revision_;
   add_farm_parts(json);
-  return {json.dump(-1, ' ', false, Json::error_handler_t::replace), revision_};
+  return {json.dump(-1, ' ', true, Json::error_handler_t::replace), revision_};
 }
 
 }  // namespace tessera::client

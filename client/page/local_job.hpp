@@ -7,6 +7,7 @@
 #include <mutex>
 #include <string>
 
+#include "core/film/film.hpp"
 #include "core/image/display.hpp"
 #include "core/scene/settings.hpp"
 #include "core/view/tile_source.hpp"
@@ -24,11 +25,12 @@ class LocalJob {
   const core::RenderSettings& settings() const { return settings_; }
   const core::DisplaySettings& display() const { return display_; }
 
-  // The render has so many samples at its beginning.
-  void begin(std::uint64_t samples);
+  // The render begins with the samples of this film.
+  void begin(const core::Film& film);
   void add(std::uint64_t samples);
   void end();
 
+  // In ASCII, so that no name can control a terminal.
   view::JobHeader header() const;
   // "2026-01-31T12:00:00Z"
   std::string started_at() const;

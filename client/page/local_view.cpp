@@ -17,13 +17,6 @@ namespace {
 // One may be busy with a file, and the others still serve the page.
 constexpr int kServerThreads = 3;
 
-std::uint64_t samples_of(const core::Film& film) {
-  std::uint64_t samples = 0;
-  for (int tile = 0; tile < film.grid().tile_count(); ++tile)
-    samples += std::uint64_t{film.grid().rect(tile).pixel_count()} * film.samples(tile);
-  return samples;
-}
-
 }  // namespace
 
 LocalView::LocalView(const std::string& name, const core::RenderSettings& settings,
@@ -53,7 +46,7 @@ bool LocalView::is_public() const {
 }
 
 void LocalView::begin(const core::Film& film, const core::RenderSettings&) {
-  job_.begin(samples_of(film));
+  job_.begin(film);
   source_->attach(film);
 }
 
@@ -68,9 +61,12 @@ void LocalView::end() {
   source_->end();
 }
 
-void LocalView::stay(const core::Film& film, const std::function<bool()>& should_stop) {
-  constexpr std::chrono::milliseconds kStep{100};
+void LocalView::show(const core::Film& film) {
   source_->attach(film);
+}
+
+void LocalView::stay(const std::function<bool()>& should_stop) {
+  constexpr std::chrono::milliseconds kStep{100};
   while (!should_stop()) std::this_thread::sleep_for(kStep);
   source_->detach();
 }

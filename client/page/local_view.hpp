@@ -34,8 +34,10 @@ class LocalView final : public RenderObserver {
   void samples_added(const core::PixelRect& rect, const core::SampleRange& range) override;
   void end() override;
 
-  // Shows the film again, after the end, until `should_stop`, which is asked a few times a second.
-  void stay(const core::Film& film, const std::function<bool()>& should_stop);
+  // Shows the film again, after the end. It must outlive stay().
+  void show(const core::Film& film);
+  // Blocks until `should_stop`, which is asked a few times a second; then lets go of the film.
+  void stay(const std::function<bool()>& should_stop);
 
  private:
   LocalView(const std::string& name, const core::RenderSettings& settings,

@@ -2,9 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -83,6 +85,37 @@ TEST_F(CommandLine, QuietSaysNothing) {
   const ProcessResult result = render({"-o", path("a.pfm"), "--quiet"});
   EXPECT_EQ(result.exit_status, 0);
   EXPECT_EQ(result.err + result.out, "");
+}
+
+TEST_F(CommandLine, RenderTellsItsProgressAsJson) {
+  const ProcessResult result = render({"-o", path("a.png"), "--json", "--spp", "8"});
+  EXPECT_EQ(result.exit_status, 0);
+  EXPECT_THAT(result.err, IsEmpty());
+  std::vector<nlohmann::json> lines;
+  std::istringstream out(result.out);
+  for (std::string line; std::getline(out, line);) lines.push_back(nlohmann::json::parse(line));
+  ASSERT_GE(lines.size(), 2u);
+  EXPECT_EQ(lines.front()["state"], "running");
+  EXPECT_EQ(lines.front()["samples_done"], 0);
+  EXPECT_EQ(lines.front()["samples_total"], 40 * 30 * 8);
+  EXPECT_EQ(lines.front()["integrator"], "mis");
+  EXPECT_FALSE(lines.front().contains("written"));
+  EXPECT_EQ(lines.back()["state"], "done");
+  EXPECT_EQ(lines.back()["samples_done"], 40 * 30 * 8);
+  EXPECT_EQ(lines.back()["written"], nlohmann::json::array({path("a.png")}));
+  EXPECT_EQ(render({"--json", "--sample", "1,1,1"}).exit_status, 2);
+}
+
+TEST_F(CommandLine, TheProgressOfAnInterruptedRenderEndsAsJson) {
+  const ProcessResult result = run_tessera_and_signal(
+      {"render", path("scene.json"), "-o", path("a.png"), "--json", "--spp", "10000000", "--update-every",
+       "0.1"},
+      [&] { return fs::exists(path("a.png")); }, SIGINT);
+  EXPECT_EQ(result.exit_status, 130);
+  const std::size_t last = result.out.rfind('\n', result.out.size() - 2) + 1;
+  const auto line = nlohmann::json::parse(result.out.substr(last));
+  EXPECT_EQ(line["state"], "cancelled");
+  EXPECT_GT(line["samples_done"], 0);
 }
 
 TEST_F(CommandLine, StatsDescribeTheRender) {

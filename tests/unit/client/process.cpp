@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/unit/client/process.hpp"
 
+#include <fcntl.h>
 #include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -72,6 +73,35 @@ ProcessResult run_on_terminal_and_signal(const std::vector<std::string>& argumen
   }
   ::close(terminal);
   result.exit_status = exit_status_of(child);
+  return result;
+}
+
+ProcessResult run_tessera_and_use(const std::vector<std::string>& arguments, const std::string& text,
+                                  const std::function<void(const std::string& err)>& use, int signal) {
+  std::FILE* out = std::tmpfile();
+  int err[2] = {-1, -1};
+  if (::pipe2(err, O_CLOEXEC) != 0) return {};
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::dup2(::fileno(out), STDOUT_FILENO);
+    ::dup2(err[1], STDERR_FILENO);
+    ::unsetenv("DISPLAY");
+    ::unsetenv("WAYLAND_DISPLAY");
+    become_tessera(arguments);
+  }
+  ::close(err[1]);
+  ProcessResult result;
+  bool sent = false;
+  char buffer[4096];
+  for (ssize_t count = 0; (count = ::read(err[0], buffer, sizeof buffer)) > 0;) {
+    result.err.append(buffer, static_cast<std::size_t>(count));
+    if (sent || result.err.find(text) == std::string::npos) continue;
+    use(result.err);
+    sent = ::kill(child, signal) == 0;
+  }
+  ::close(err[0]);
+  result.exit_status = exit_status_of(child);
+  result.out = contents(out);
   return result;
 }
 

@@ -29,4 +29,9 @@ ProcessResult run_on_terminal_and_signal(const std::vector<std::string>& argumen
 ProcessResult run_tessera_and_signal(const std::vector<std::string>& arguments,
                                      const std::function<bool()>& condition, int signal);
 
+// Runs with stdout in a file; when `text` has appeared on stderr, calls `use` with all of stderr so far, and
+// then sends `signal`. There is no desktop that could open a browser.
+ProcessResult run_tessera_and_use(const std::vector<std::string>& arguments, const std::string& text,
+                                  const std::function<void(const std::string& err)>& use, int signal);
+
 }  // namespace tessera::client

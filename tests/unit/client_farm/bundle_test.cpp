@@ -28,7 +28,7 @@ std::string read_file(const std::string& path) {
 TEST(Bundle, HoldsTheSceneAndEveryFileItReads) {
   core::RenderOverrides overrides;
   overrides.spp = 5;
-  const auto local = bundle_scene(kFolder + "/scene.json", overrides);
+  const auto local = bundle_scene(kFolder + "/scene.json", {.overrides = overrides});
   ASSERT_TRUE(local.has_value()) << local.error().message;
   EXPECT_EQ(local->bundle.scene_path(), "scene.json");
   std::vector<std::string> paths;
@@ -100,7 +100,7 @@ TEST(Bundle, RefusesTwoFilesOfOneName) {
 TEST(Bundle, ChecksOverrides) {
   core::RenderOverrides overrides;
   overrides.width_px = 0;
-  const auto local = bundle_scene(kFolder + "/scene.json", overrides);
+  const auto local = bundle_scene(kFolder + "/scene.json", {.overrides = overrides});
   ASSERT_FALSE(local.has_value());
   EXPECT_EQ(local.error().code, core::ErrorCode::kInvalidArgument);
 }
