@@ -1,13 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# `cmake --install`, and packages by CPack: a relocatable tarball (TGZ) and Debian packages (DEB), one for each component:
-#
-#   tessera              the command line, the example scenes, the documentation
-#   tessera-coordinator  the coordinator and its validator
-#   tessera-worker       the worker and its scene loader
-#   libtessera           the shared library behind them
-#   libtessera-dev       its header, the CMake package and the pkg-config file
-#
-# Programs find libraries and scenes by relative paths, so the installed tree is relocatable.
+# `cmake --install`, by the components of which TesseraPackages.cmake makes packages. Programs find libraries and scenes by
+# relative paths, so the installed tree is relocatable.
 include(CMakePackageConfigHelpers)
 
 set(private_libdir ${CMAKE_INSTALL_LIBDIR}/tessera)  # libtessera_core: for these programs alone
@@ -37,6 +30,12 @@ if(TESSERA_FARM)
     DESTINATION ${CMAKE_INSTALL_DATADIR}/tessera COMPONENT tessera-coordinator)
   install(PROGRAMS ${PROJECT_SOURCE_DIR}/deploy/make_certificates.sh
     DESTINATION ${CMAKE_INSTALL_DATADIR}/tessera COMPONENT tessera-coordinator)
+  foreach(service IN ITEMS coordinator worker)
+    install(FILES ${PROJECT_SOURCE_DIR}/deploy/systemd/tessera-${service}.service
+      DESTINATION lib/systemd/system COMPONENT tessera-${service})
+    file(GLOB drop_ins ${PROJECT_SOURCE_DIR}/deploy/systemd/${service}*.conf)
+    install(FILES ${drop_ins} DESTINATION ${CMAKE_INSTALL_DATADIR}/tessera/systemd COMPONENT tessera-${service})
+  endforeach()
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/slurm DESTINATION ${CMAKE_INSTALL_DATADIR}/tessera
     USE_SOURCE_PERMISSIONS COMPONENT tessera-coordinator)
 endif()
@@ -58,35 +57,3 @@ install(FILES ${PROJECT_BINARY_DIR}/package/tessera-config.cmake ${PROJECT_BINAR
   DESTINATION ${config_dir} COMPONENT libtessera-dev)
 install(FILES ${PROJECT_BINARY_DIR}/package/tessera.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
   COMPONENT libtessera-dev)
-
-set(CPACK_PACKAGE_NAME tessera)
-set(CPACK_PACKAGE_VENDOR "The Tessera authors")
-set(CPACK_PACKAGE_CONTACT "The Tessera authors <tessera@example.org>")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
-set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
-set(CPACK_STRIP_FILES ON)
-set(CPACK_VERBATIM_VARIABLES ON)
-set(CPACK_GENERATOR TGZ DEB)
-set(CPACK_COMPONENTS_ALL libtessera libtessera-dev tessera)
-if(TESSERA_FARM)
-  list(APPEND CPACK_COMPONENTS_ALL tessera-coordinator tessera-worker)
-endif()
-set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib)
-set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(this_version "(= ${PROJECT_VERSION})")
-foreach(component IN LISTS CPACK_COMPONENTS_ALL)
-  string(TOUPPER ${component} upper)
-  set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${component})
-  if(NOT component STREQUAL "libtessera")
-    set(CPACK_DEBIAN_${upper}_PACKAGE_DEPENDS "libtessera ${this_version}")
-  endif()
-endforeach()
-set(CPACK_COMPONENT_TESSERA_DESCRIPTION "Path tracer with bit-identical results: the command line and example scenes")
-set(CPACK_COMPONENT_TESSERA-COORDINATOR_DESCRIPTION "Coordinator of a Tessera render farm")
-set(CPACK_COMPONENT_TESSERA-WORKER_DESCRIPTION "Worker of a Tessera render farm")
-set(CPACK_COMPONENT_LIBTESSERA_DESCRIPTION "Path-tracing library of Tessera")
-set(CPACK_COMPONENT_LIBTESSERA-DEV_DESCRIPTION "Header and CMake package of Tessera's path-tracing library")
-include(CPack)

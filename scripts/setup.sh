@@ -59,8 +59,13 @@ test=(
   iproute2
   # promtool checks metrics and alert rules. Its server is not started (below).
   prometheus
-  # Packages, installed in a root of their own.
+  # Packages, checked and installed in a root of their own; the image, built without a service; services, in a container that
+  # systemd boots.
   debootstrap
+  lintian
+  buildah
+  systemd
+  systemd-container
   # A cluster of several nodes on one machine: tests/cluster. Its daemons are started by the tests alone.
   slurm-wlm
   bc
@@ -71,6 +76,9 @@ test=(
   python3-protobuf
   # Tests of the scene file's JSON Schema.
   libvalijson-dev
+  # The completions of the command line, in the shells that they are for.
+  fish
+  zsh
   # Tests of the page, with fonts for its screenshots. node and npm: below.
   chromium
   fonts-dejavu-core

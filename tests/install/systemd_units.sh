@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# systemd_units.sh UNITS BIN: checks the services in the folder UNITS with their drop-ins: systemd understands every line,
+# the exposure that `systemd-analyze security` computes is below 2.5, and the programs in BIN have the options.
+# Exit status 77 without systemd-analyze.
+set -euo pipefail
+
+units=$1
+bin=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+fail() {
+  echo "systemd_units.sh: $*" >&2
+  exit 1
+}
+
+command -v systemd-analyze >/dev/null || { echo "systemd_units.sh: skipped: there is no systemd-analyze"; exit 77; }
+
+services=()
+for unit in "$units"/*.service; do
+  name=$(basename "$unit" .service)
+  mkdir "$work/$name.service.d"
+  sed "s#/usr/bin/#$bin/#" "$unit" >"$work/$name.service"
+  for drop_in in "$units/${name#tessera-}"-*.conf; do cp "$drop_in" "$work/$name.service.d"; done
+  services+=("$work/$name.service")
+
+  # A unit that nobody has hardened has 9 and more.
+  systemd-analyze security --offline=true --threshold=25 "$unit" >"$work/security" 2>&1 ||
+    fail "$(tail -n 1 "$work/security")"
+  tail -n 1 "$work/security"
+done
+[ ${#services[@]} -eq 2 ] || fail "there are ${#services[@]} services"
+
+systemd-analyze verify --man=no "${services[@]}" >"$work/verified" 2>&1 || fail "$(cat "$work/verified")"
+[ ! -s "$work/verified" ] || fail "$(cat "$work/verified")"
+
+# The variables of the drop-ins are those of options. The programs refuse the files of options that do not exist, by name.
+while IFS=: read -r file variable; do
+  program=tessera-$(basename "$file" | sed 's/-.*//')
+  "$bin/$program" --print-man-page >"$work/page"
+  option=$(sed 's/TESSERA_COORDINATOR_\|TESSERA_//' <<<"$variable" | tr 'A-Z_' 'a-z-')
+  grep -qF -- "\\-\\-${option//-/\\-}\\f" "$work/page" || fail "$file: $program has no option --$option"
+  status=0
+  env "$variable=/does/not/exist" "$bin/$program" --help >"$work/out" 2>"$work/err" || status=$?
+  [ "$status" -eq 2 ] && grep -q "/does/not/exist" "$work/err" || fail "$file: $program does not read $variable"
+done < <(grep -o '^Environment=[A-Z_]*' "$units"/*-keys.conf | sed 's/Environment=//')
