@@ -2,21 +2,16 @@
 #include "bench/scale/farm.hpp"
 
 #include <fmt/format.h>
-#include <grpcpp/create_channel.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <functional>
 #include <thread>
 
+#include "bench/scale/farm_client.hpp"
 #include "bench/scale/page_viewers.hpp"
+#include "bench/scale/simulated_workers.hpp"
 #include "bench/scale/tile_watchers.hpp"
-#include "proto/blob.hpp"
-#include "proto/channel.hpp"
-#include "proto/status.hpp"
-#include "tessera/v1/render_service.grpc.pb.h"
 
 namespace tessera::bench {
 namespace {
@@ -24,124 +19,14 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-// The coordinator validates this scene, but nobody renders it.
-constexpr const char* kScene = R"({
-  "camera": { "position": [0, 1.5, 6], "look_at": [0, 1, 0] },
-  "materials": { "lamp": { "type": "lambert", "emission": 12 } },
-  "shapes": [ { "type": "sphere", "center": [0, 1, 0], "radius": 1, "material": "lamp" } ]
-})";
-
-// Workers arrive one after the other, as on machines that start a program over a network.
-constexpr auto kBetweenArrivals = 1ms;
 constexpr auto kDonePolls = 200ms;
-
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "tessera-scale-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) std::abort();
-    path_ = pattern;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-double own_cpu_seconds() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& time) {
-    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-// Each channel has its own connection, as workers on different machines have.
-core::Result<std::shared_ptr<grpc::Channel>> own_connection(const std::string& address) {
-  const auto credentials = proto::channel_credentials(address, {});
-  if (!credentials) return core::fail(credentials.error());
-  grpc::ChannelArguments arguments;
-  arguments.SetMaxSendMessageSize(proto::kMaxMessageBytes);
-  arguments.SetMaxReceiveMessageSize(proto::kMaxMessageBytes);
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);  // as in proto/channel.cpp
-  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  return grpc::CreateCustomChannel(address, *credentials, arguments);
-}
-
-core::Status upload(v1::RenderService::Stub& users, const proto::Digest& digest) {
-  grpc::ClientContext context;
-  v1::UploadBlobResponse response;
-  const auto stream = users.UploadBlob(&context, &response);
-  v1::UploadBlobRequest request;
-  proto::for_each_chunk(digest, kScene, [&](const v1::BlobChunk& chunk) {
-    *request.mutable_chunk() = chunk;
-    return stream->Write(request);
-  });
-  stream->WritesDone();
-  return proto::from_grpc(stream->Finish());
-}
-
-v1::ListJobsResponse page_of_jobs(v1::RenderService::Stub& users, const v1::ListJobsRequest& request) {
-  while (true) {
-    grpc::ClientContext context;
-    v1::ListJobsResponse response;
-    if (users.ListJobs(&context, request, &response).ok()) return response;
-    std::this_thread::sleep_for(kDonePolls);  // the coordinator is overloaded
-  }
-}
-
-std::vector<v1::Job> list_jobs(v1::RenderService::Stub& users) {
-  std::vector<v1::Job> jobs;
-  v1::ListJobsRequest request;
-  do {
-    const v1::ListJobsResponse page = page_of_jobs(users, request);
-    jobs.insert(jobs.end(), page.jobs().begin(), page.jobs().end());
-    request.set_page_token(page.next_page_token());
-  } while (!request.page_token().empty());
-  return jobs;
-}
-
-bool any_is_validated(v1::RenderService::Stub& users) {
-  v1::ListJobsRequest request;
-  request.add_states(v1::JOB_STATE_VALIDATING);
-  request.set_page_size(1);
-  return page_of_jobs(users, request).jobs_size() > 0;
-}
-
-// Waits while too many scenes wait to be validated.
-core::Result<v1::Job> submit_job(v1::RenderService::Stub& users, const v1::SubmitJobRequest& request) {
-  while (true) {
-    grpc::ClientContext context;
-    v1::SubmitJobResponse response;
-    const grpc::Status status = users.SubmitJob(&context, request, &response);
-    if (status.ok()) return response.job();
-    if (!proto::asked_wait(status, context)) return core::fail(proto::error_from_grpc(status));
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-}
 
 // Returns the id of the first, which is passed on as soon as it is submitted.
 core::Result<std::string> submit_jobs(
     v1::RenderService::Stub& users, const Load& load,
     const std::function<core::Status(const std::string&)>& submitted_first) {
-  const proto::Digest digest = proto::digest_of(kScene);
-  if (auto uploaded = upload(users, digest); !uploaded) return core::fail(uploaded.error());
-  v1::SubmitJobRequest request;
-  request.mutable_bundle()->set_scene_path("scene.json");
-  v1::Bundle::Asset& asset = *request.mutable_bundle()->add_assets();
-  asset.set_path("scene.json");
-  *asset.mutable_digest() = proto::to_proto(digest);
-  request.mutable_overrides()->set_width_px(static_cast<std::uint32_t>(load.width_px));
-  request.mutable_overrides()->set_height_px(static_cast<std::uint32_t>(load.height_px));
-  request.mutable_overrides()->set_spp(load.spp);
+  if (auto uploaded = upload_scene(users); !uploaded) return core::fail(uploaded.error());
+  v1::SubmitJobRequest request = request_of_scene(load.width_px, load.height_px, load.spp);
   std::string first;
   for (int job = 0; job < load.jobs; ++job) {
     request.set_name(fmt::format("simulated-{}", job));
@@ -173,36 +58,6 @@ std::uint64_t touched_film_bytes(const std::vector<v1::Job>& jobs) {
   return bytes;
 }
 
-// The workers of one farm with their connections.
-class Workers {
- public:
-  explicit Workers(Tally& tally) : tally_(tally) {}
-  ~Workers() {
-    for (const auto& worker : workers_) worker->stop();
-    // Calls in progress hold their workers until they have ended.
-    for (const auto& worker : workers_)
-      while (worker.use_count() > 1) std::this_thread::sleep_for(1ms);
-  }
-
-  core::Status start(const Load& load, const std::string& address) {
-    for (int i = 0; i < load.workers; ++i) {
-      auto channel = own_connection(address);
-      if (!channel) return core::fail(channel.error());
-      workers_.push_back(std::make_shared<SimulatedWorker>(
-          i, load.speed, *std::move(channel), SimulatedWorker::World{tiles_, timeline_, tally_}));
-      workers_.back()->start();
-      std::this_thread::sleep_for(kBetweenArrivals);
-    }
-    return {};
-  }
-
- private:
-  Tally& tally_;
-  const ReadyTiles tiles_;
-  Timeline timeline_;
-  std::vector<std::shared_ptr<SimulatedWorker>> workers_;
-};
-
 void wait_until_done(v1::RenderService::Stub& users, double at_most_seconds) {
   const auto end = Clock::now() + std::chrono::duration<double>(at_most_seconds);
   while (Clock::now() < end && !all_done(list_jobs(users))) std::this_thread::sleep_for(kDonePolls);
@@ -211,7 +66,7 @@ void wait_until_done(v1::RenderService::Stub& users, double at_most_seconds) {
 }  // namespace
 
 core::Result<Figures> measure(const Load& load, const std::filesystem::path& coordinator_program) {
-  const Folder folder;
+  const TemporaryFolder folder;
   const auto coordinator = MeasuredCoordinator::start(
       {coordinator_program, folder.path(), load.coordinator_core, load.film_gib, load.page_viewers > 0});
   if (!coordinator) return core::fail(coordinator.error());
@@ -223,10 +78,10 @@ core::Result<Figures> measure(const Load& load, const std::filesystem::path& coo
   figures.before_jobs = coordinator->usage();
   PageViewers viewers;
   Tally tally([&viewers](const core::PixelRect& rect) { viewers.counted(rect); });
-  Workers workers(tally);
+  SimulatedWorkers workers(tally);
   const bool is_shown = load.page_viewers > 0;
   if (is_shown)
-    if (auto started = workers.start(load, coordinator->address()); !started)
+    if (auto started = workers.start(load.workers, load.speed, coordinator->address()); !started)
       return core::fail(started.error());
   Clock::time_point submitted_at{};
   const auto submitted = submit_jobs(users, load, [&](const std::string& id) {
@@ -243,7 +98,7 @@ core::Result<Figures> measure(const Load& load, const std::filesystem::path& coo
   figures.own_cpu_seconds = -own_cpu_seconds();
   auto start = Clock::now();
   if (!is_shown)
-    if (auto started = workers.start(load, coordinator->address()); !started)
+    if (auto started = workers.start(load.workers, load.speed, coordinator->address()); !started)
       return core::fail(started.error());
   if (load.until_done) {
     wait_until_done(users, load.measured_seconds);

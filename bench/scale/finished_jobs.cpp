@@ -129,7 +129,7 @@ int measure(const std::filesystem::path& folder) {
   const Stopwatch start;
   auto state = store::StateDirectory::open(folder);
   if (!state) return std::cerr << state.error().message << '\n', EXIT_FAILURE;
-  const auto check = [](const v1::Bundle&, const v1::RenderOverrides&,
+  const auto check = [](const v1::Bundle&, const v1::RenderOverrides&, const std::vector<std::int32_t>&,
                         const std::stop_token&) -> core::Result<jobs::CheckedScene> {
     return core::fail(core::ErrorCode::kInvalidArgument, "nothing is submitted");
   };

@@ -155,6 +155,11 @@ SimulatedWorker::HeldLease* SimulatedWorker::find(std::uint64_t lease_id) {
 
 // ---- Rendering ----
 
+double SimulatedWorker::seconds_for(const proto::WorkItem& item) const {
+  const double samples = static_cast<double>(item.rect.pixel_count()) * item.range.count();
+  return samples * speed_.cost(item.rect) / speed_.samples_per_second;
+}
+
 void SimulatedWorker::render_next() {
   if (rendering_) return;
   const auto next =
@@ -163,17 +168,16 @@ void SimulatedWorker::render_next() {
   next->rendering = next->todo.front();
   next->todo.pop_front();
   rendering_ = true;
-  const double samples =
-      static_cast<double>(next->rendering->rect.pixel_count()) * next->rendering->range.count();
-  const double seconds = speed_.takes_time ? samples / speed_.samples_per_second : 0;
+  if (!std::exchange(has_rendered_, true))
+    world_.tally.note([](Counts& counts) { counts.first_renders.push_back(Clock::now()); });
+  const double seconds = speed_.takes_time ? seconds_for(*next->rendering) : 0;
   later(seconds, [id = next->id](SimulatedWorker& worker) { worker.rendered(id); });
 }
 
 void SimulatedWorker::rendered(std::uint64_t lease_id) {
   HeldLease& held = *find(lease_id);
   const proto::WorkItem item = *std::exchange(held.rendering, std::nullopt);
-  const double samples = static_cast<double>(item.rect.pixel_count()) * item.range.count();
-  const double seconds = samples / speed_.samples_per_second;
+  const double seconds = seconds_for(item);
   world_.tally.note([&](Counts& counts) { counts.rendering_seconds += seconds; });
   held.ready.push_back(item);
   held.ready_seconds += seconds;

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -26,7 +27,9 @@ namespace tessera::bench {
 
 // The speed of rendering.
 struct Speed {
-  double samples_per_second = 1;
+  double samples_per_second = 1;  // where a tile costs 1
+  // The cost of a sample of this tile.
+  std::function<double(const core::PixelRect&)> cost = [](const core::PixelRect&) { return 1.0; };
   // Whether it waits for the rendering time. Otherwise results are sent at once, and only report the time.
   bool takes_time = true;
 };
@@ -76,6 +79,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   bool add_lease(const v1::Lease& lease);
   void note_next_lease();
   void report(v1::SynchronizeRequest& request) const;
+  double seconds_for(const proto::WorkItem& item) const;
   void render_next();
   void rendered(std::uint64_t lease_id);
   void deliver_next();
@@ -98,7 +102,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   std::set<std::string> known_jobs_;
   // Leases since the last Synchronize was sent: delivered, or received with the answer to a delivery.
   std::set<std::uint64_t> just_finished_, just_given_;
-  bool rendering_ = false, delivering_ = false, stopped_ = false;
+  bool rendering_ = false, has_rendered_ = false, delivering_ = false, stopped_ = false;
   std::uint64_t delivered_items_ = 0;
   std::optional<Clock::time_point> waiting_since_;  // since when it has waited for another lease
   std::weak_ptr<SyncCall> sync_call_;

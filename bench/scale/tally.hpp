@@ -2,6 +2,7 @@
 // Counters of the simulated workers of one farm during the measurement. Thread-safe.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <mutex>
@@ -22,7 +23,8 @@ struct Counts {
   std::uint64_t sent_bytes = 0;      // of both kinds of messages, without framing
   std::uint64_t received_bytes = 0;  // of the answers
   std::uint64_t failed_calls = 0;
-  double rendering_seconds = 0;  // the sum over all workers
+  double rendering_seconds = 0;                                      // the sum over all workers
+  std::vector<std::chrono::steady_clock::time_point> first_renders;  // of workers: when the first one began
   // From sending a result to the answer that accepts it.
   std::vector<double> submit_seconds;
   // From sending a lease's last result to receiving another lease.

@@ -6,6 +6,8 @@
 
 #include <cerrno>
 #include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -63,6 +65,18 @@ TEST_F(DemoTest, RendersAndEnds) {
   EXPECT_THAT(demo.out(), HasSubstr("The page of this farm: http://127.0.0.1:"));
   EXPECT_THAT(demo.err(), HasSubstr("done. Save the image: tessera image "));
   EXPECT_TRUE(is_clean());
+}
+
+TEST_F(DemoTest, SpeaksJson) {
+  Process demo = start({"--once", "--json"});
+  EXPECT_EQ(demo.wait(std::chrono::seconds(90)), 0) << demo.err();
+  std::istringstream out(demo.out());
+  std::vector<nlohmann::json> lines;
+  for (std::string line; std::getline(out, line);) lines.push_back(nlohmann::json::parse(line));
+  ASSERT_GE(lines.size(), 2u);
+  EXPECT_THAT(lines.front()["page"].get<std::string>(), ::testing::StartsWith("http://127.0.0.1:"));
+  EXPECT_EQ(lines.back()["state"], "done");
+  EXPECT_EQ(demo.err(), "");
 }
 
 TEST_F(DemoTest, EndsByCtrlC) {

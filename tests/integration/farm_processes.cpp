@@ -65,6 +65,7 @@ ProcessOptions FarmTest::with_files(const std::string& name, std::vector<std::st
   options.err = folder_ / (stem + ".err");
   if (const auto network = networks_.find(name); network != networks_.end())
     options.network_of = network->second;
+  options.hosts_file = hosts_file_;
   history_.push_back(options);
   return options;
 }
@@ -110,6 +111,10 @@ Outcome FarmTest::run_coordinator(const std::vector<std::string>& arguments) {
   return {exit_code.value_or(-1), process.out(), process.err()};
 }
 
+std::string FarmTest::named_address() const {
+  return coordinator_name_.empty() ? address_ : coordinator_name_ + address_.substr(address_.rfind(':'));
+}
+
 std::map<std::string, std::string> FarmTest::environment() const {
   std::map<std::string, std::string> variables;
   const auto add = [&](const char* name, const std::string& file) {
@@ -125,8 +130,8 @@ std::map<std::string, std::string> FarmTest::environment() const {
 Process& FarmTest::start_worker(const std::string& name, int threads,
                                 const std::vector<std::string>& more_options) {
   ProcessOptions options =
-      with_files(name, {TESSERA_WORKER, "--coordinator", address_, "--threads", std::to_string(threads),
-                        "--cache", folder_ / ("cache-" + name), "--name", name});
+      with_files(name, {TESSERA_WORKER, "--coordinator", named_address(), "--threads",
+                        std::to_string(threads), "--cache", folder_ / ("cache-" + name), "--name", name});
   options.environment = environment();
   if (security_.insecure) options.arguments.push_back("--insecure");
   options.arguments.insert(options.arguments.end(), more_options.begin(), more_options.end());
@@ -142,7 +147,7 @@ Process FarmTest::start_tessera(const std::vector<std::string>& arguments,
   ProcessOptions options = with_files("tessera", std::move(all));
   options.folder = folder;
   options.environment = environment();
-  options.environment["TESSERA_COORDINATOR"] = address_;
+  options.environment["TESSERA_COORDINATOR"] = named_address();
   return Process(std::move(options));
 }
 

@@ -60,6 +60,8 @@ class FarmTest : public ::testing::Test {
 
   v1::RenderService::StubInterface& api();
   const std::string& address() const { return address_; }
+  // Where workers and clients are told that the coordinator is.
+  std::string named_address() const;
   v1::Job job(const std::string& id);
   std::vector<v1::Job> jobs();
   std::vector<v1::Worker> workers();
@@ -75,6 +77,10 @@ class FarmTest : public ::testing::Test {
   std::filesystem::path state_ = folder_ / "state";
   std::string listen_ = "127.0.0.1:0";
   std::map<std::string, pid_t> networks_;
+  // What workers and clients see as /etc/hosts, and the host name by which they know the coordinator; empty:
+  // its address.
+  std::filesystem::path hosts_file_;
+  std::string coordinator_name_;
   // Set before a coordinator is started: its further options, and the credentials of this test, workers and
   // clients.
   std::vector<std::string> coordinator_options_;

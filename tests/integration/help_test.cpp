@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -122,6 +123,24 @@ TEST_F(HelpTest, AllProgramsReportUsageErrorsAlike) {
     EXPECT_THAT(process.err(), ::testing::StartsWith(name + ": error: "));
     EXPECT_THAT(process.err(), HasSubstr("--no-such-option"));
     EXPECT_THAT(process.err(), ::testing::EndsWith("\nTry: " + name + " --help\n"));
+  }
+}
+
+// Workers log what fails, since they try again.
+TEST_F(HelpTest, AllProgramsReportFailuresAlike) {
+  const std::string garbage = "echo garbage | ";
+  const std::map<std::string, std::string> failing{
+      {TESSERA_CLIENT, " render /missing.json -o /missing.png"},
+      {TESSERA_COORDINATOR_PROGRAM, " --listen 127.0.0.1:0 --state /proc/missing"},
+      {TESSERA_VALIDATOR, ""},
+      {TESSERA_SCENE_LOADER, ""}};
+  for (const auto& [program, arguments] : failing) {
+    Process process({.arguments = {"/bin/sh", "-c", garbage + program + arguments},
+                     .out = folder_ / "out",
+                     .err = folder_ / "err"});
+    EXPECT_EQ(process.wait(std::chrono::seconds(20)), 1) << program;
+    const std::string name = program.substr(program.rfind('/') + 1);
+    EXPECT_THAT("\n" + process.err(), HasSubstr("\n" + name + ": error: "));
   }
 }
 

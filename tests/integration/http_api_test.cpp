@@ -11,13 +11,16 @@
 namespace tessera::test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class HttpApiTest : public FarmTest {
  protected:
   // HOST:PORT of the page that the coordinator has printed.
-  std::string page() {
-    const std::regex line("the page is at http://([^/]+)/");
+  std::string page() { return page("http"); }
+  std::string page(const std::string& scheme) {
+    const std::regex line("the page is at " + scheme + "://([^/]+)/");
     std::smatch found;
     std::string out;
     poll_until(std::chrono::seconds(20), [&] {
@@ -37,6 +40,37 @@ class HttpApiTest : public FarmTest {
     EXPECT_EQ(response.substr(9, 3), "200") << path << response.substr(0, 200);
     return response.substr(response.find("\r\n\r\n") + 4);
   }
+  void make_certificates(const std::string& name) {
+    const Process made = run({TESSERA_SOURCE_DIR "/deploy/make_certificates.sh", folder_ / name, "127.0.0.1"},
+                             name + ".certificates");
+    ASSERT_TRUE(std::filesystem::exists(folder_ / name / "coordinator.pem")) << made.err();
+  }
+  // The response to a client that trusts the authority of these certificates alone; empty if it does not
+  // trust the server.
+  std::string get_over_tls(const std::string& address, const std::string& path, const std::string& trusted) {
+    const std::string request =
+        "GET " + path + " HTTP/1.1\\r\\nHost: 127.0.0.1\\r\\nConnection: close\\r\\n\\r\\n";
+    const Process client =
+        run({"/bin/sh", "-c",
+             "printf '" + request + "' | timeout 20 openssl s_client -quiet -verify_return_error -CAfile '" +
+                 (folder_ / trusted / "ca.pem").string() + "' -connect " + address},
+            "client" + std::to_string(++clients_));
+    return client.out();
+  }
+
+ private:
+  // Runs a program to its end.
+  Process run(const std::vector<std::string>& arguments, const std::string& name) {
+    ProcessOptions options;
+    options.arguments = arguments;
+    options.out = folder_ / (name + ".out");
+    options.err = folder_ / (name + ".err");
+    Process process(options);
+    EXPECT_TRUE(process.wait(std::chrono::seconds(30)).has_value()) << name;
+    return process;
+  }
+
+  int clients_ = 0;
 };
 
 TEST_F(HttpApiTest, ShowsWhatTheFarmRenders) {
@@ -57,6 +91,40 @@ TEST_F(HttpApiTest, ShowsWhatTheFarmRenders) {
       run_coordinator({"--state", (folder_ / "other").string(), "--listen", "127.0.0.1:0", "--http", page()});
   EXPECT_NE(second.exit_code, 0) << "its port is taken";
   EXPECT_THAT(second.err, HasSubstr(page()));
+}
+
+// The page speaks TLS with the certificate of gRPC, and nothing else.
+TEST_F(HttpApiTest, SpeaksTlsWithTheCertificateOfTheFarm) {
+  make_certificates("farm");
+  make_certificates("others");
+  coordinator_options_ = {"--http",
+                          "127.0.0.1:0",
+                          "--tls-certificate",
+                          folder_ / "farm" / "coordinator.pem",
+                          "--tls-key",
+                          folder_ / "farm" / "coordinator.key"};
+  security_.ca = folder_ / "farm" / "ca.pem";
+  start_coordinator();
+  const std::string address = page("https");
+  ASSERT_NE(address, "");
+  EXPECT_THAT(get_over_tls(address, "/", "farm"), AllOf(HasSubstr("HTTP/1.1 200"), HasSubstr("text/html")));
+  EXPECT_THAT(get_over_tls(address, "/api/v1/server", "farm"), HasSubstr("determinism_fingerprints"));
+  EXPECT_EQ(get_over_tls(address, "/", "others"), "") << "its certificate is by another authority";
+  http::RawClient plain(address);
+  ASSERT_TRUE(plain.send("GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"));
+  EXPECT_THAT(plain.receive_all(), Not(HasSubstr("200 OK"))) << "HTTP on an HTTPS port";
+  EXPECT_TRUE(plain.is_ended());
+  EXPECT_THAT(get_over_tls(address, "/healthz", "farm"), HasSubstr("HTTP/1.1 200")) << "it goes on";
+}
+
+TEST_F(HttpApiTest, NeedsAnUsableCertificate) {
+  make_certificates("farm");
+  make_certificates("others");
+  const Outcome refused = run_coordinator(
+      {"--state", folder_ / "state", "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--tls-certificate",
+       folder_ / "farm" / "coordinator.pem", "--tls-key", folder_ / "others" / "coordinator.key"});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("coordinator: error: "), HasSubstr("coordinator.key")));
 }
 
 TEST_F(HttpApiTest, GoesOnAfterARestart) {

@@ -91,6 +91,10 @@ std::string port_of(int host) {
 void configure(pid_t keeper, int host, const std::string& interface) {
   expect(in_network_of(keeper, [&] { return send_plain_frames(interface.c_str()); }), "ethtool");
   expect(run_ip(keeper, {"addr", "add", Network::address_of(host) + "/24", "dev", interface}), "ip addr add");
+  // Without the detection of duplicates, the address can be used at once.
+  expect(run_ip(keeper,
+                {"-6", "addr", "add", Network::ipv6_address_of(host) + "/64", "dev", interface, "nodad"}),
+         "ip -6 addr add");
   expect(run_ip(keeper, {"link", "set", interface, "up"}), "ip link set up");
   expect(run_ip(keeper, {"link", "set", "lo", "up"}), "ip link set lo up");
 }
@@ -117,7 +121,7 @@ Network::Network() : switch_(std::make_unique<Switch>()) {
          "ip link add (is `ip` installed, and does the kernel have veth?)");
   configure(0, 1, "eth0");
   plug_in(1);
-  switch_->add_port(port_of(1));
+  switch_->add_port(1, port_of(1));
 }
 
 Network::~Network() {
@@ -131,6 +135,10 @@ std::string Network::address_of(int host) {
   return "10.77.0." + std::to_string(host);
 }
 
+std::string Network::ipv6_address_of(int host) {
+  return "fd77::" + std::to_string(host);
+}
+
 pid_t Network::add_host(int host) {
   const pid_t keeper = start_keeper();
   expect(keeper > 0, "a namespace");
@@ -140,7 +148,7 @@ pid_t Network::add_host(int host) {
          "ip link add");
   configure(keeper, host, "eth0");
   plug_in(host);
-  switch_->add_port(port_of(host));
+  switch_->add_port(host, port_of(host));
   return keeper;
 }
 
@@ -162,6 +170,21 @@ void Network::lose(double share) {
 
 void Network::limit_rate(double bytes_per_second) {
   switch_->limit_rate(bytes_per_second);
+}
+
+void Network::set_line(int host, std::chrono::milliseconds delay, double bytes_per_second) {
+  switch_->set_line(host, delay, bytes_per_second);
+}
+
+std::uint64_t Network::sent_bytes(int host) const {
+  return switch_->sent_bytes(host);
+}
+
+void Network::remove_ipv4(int host) {
+  const auto keeper = hosts_.find(host);
+  expect(run_ip(keeper == hosts_.end() ? 0 : keeper->second,
+                {"addr", "del", address_of(host) + "/24", "dev", "eth0"}),
+         "ip addr del");
 }
 
 }  // namespace tessera::test

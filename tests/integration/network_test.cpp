@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "tests/integration/farm_processes.hpp"
-#include "tests/integration/network.hpp"
+#include "tests/integration/network_farm.hpp"
 
 namespace tessera::test {
 namespace {
@@ -14,44 +13,12 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 
-constexpr int kCoordinator = 2, kFirst = 3, kSecond = 4, kClient = 5;
 constexpr auto kReconnects = 60s;  // a few seconds on an idle machine
 
-// Runs before other threads start.
-class NamespacesFirst {
- public:
-  NamespacesFirst() : why_not_(Network::enter()) {
-    try {
-      if (!why_not_) network_ = std::make_unique<Network>();
-    } catch (const NoNetwork& error) {
-      why_not_ = error.what();
-    }
-  }
-  std::optional<std::string> why_not_;
-  std::unique_ptr<Network> network_;
-};
-
-class NetworkTest : private NamespacesFirst, public FarmTest {
+class NetworkTest : public NetworkFarmTest {
  protected:
   static constexpr std::uint64_t kSamples = 256ull * 192 * 48;
   const std::vector<std::string> options_{"--size", "256x192", "--spp", "48"};
-
-  void SetUp() override {
-    if (why_not_) GTEST_SKIP() << "no network namespaces: " << *why_not_;
-    try {
-      networks_ = {{"coordinator", network().add_host(kCoordinator)},
-                   {"first", network().add_host(kFirst)},
-                   {"second", network().add_host(kSecond)},
-                   {"tessera", network().add_host(kClient)}};
-    } catch (const NoNetwork& error) {
-      GTEST_SKIP() << error.what();
-    }
-    listen_ = Network::address_of(kCoordinator) + ":0";
-    coordinator_options_ = {"--insecure"};
-    security_.insecure = true;
-  }
-
-  Network& network() { return *network_; }
 
   void start_farm(double lease_seconds) {
     start_coordinator(lease_seconds);
@@ -73,17 +40,6 @@ class NetworkTest : private NamespacesFirst, public FarmTest {
     EXPECT_EQ(client.wait(120s), 0) << client.err();
     EXPECT_TRUE(read_file(waited()) == render_here(options, ".exr"));
     EXPECT_EQ(job(newest_job()).counters().samples(), 256u * 192 * 16);
-  }
-  // The job that was submitted last.
-  std::string newest_job() {
-    EXPECT_TRUE(poll_until(30s, [&] { return !jobs().empty(); }));
-    return jobs().front().id();
-  }
-
-  bool is_heard(const std::string& name) {
-    const auto known = workers();
-    return std::any_of(known.begin(), known.end(),
-                       [&](const auto& worker) { return worker.name() == name && !worker.silent(); });
   }
 };
 

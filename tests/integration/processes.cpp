@@ -4,11 +4,14 @@
 #include <fcntl.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/mount.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -27,6 +30,12 @@ bool enter_network_of(pid_t pid) {
   return network >= 0 && setns(network, CLONE_NEWNET) == 0;
 }
 
+// In a mount namespace of its own.
+bool replace_hosts(const std::filesystem::path& hosts_file) {
+  return unshare(CLONE_NEWNS) == 0 && mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+         mount(hosts_file.c_str(), "/etc/hosts", nullptr, MS_BIND, nullptr) == 0;
+}
+
 [[noreturn]] void become(const ProcessOptions& options) {
   const auto redirect = [](const std::filesystem::path& path, int descriptor) {
     const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
@@ -35,6 +44,7 @@ bool enter_network_of(pid_t pid) {
   redirect(options.out, STDOUT_FILENO);
   redirect(options.err, STDERR_FILENO);
   if (options.network_of != 0 && !enter_network_of(options.network_of)) _exit(kCannotStart);
+  if (!options.hosts_file.empty() && !replace_hosts(options.hosts_file)) _exit(kCannotStart);
   if (chdir(options.folder.c_str()) != 0) _exit(kCannotStart);
   for (const auto& [name, value] : options.environment) setenv(name.c_str(), value.c_str(), 1);
   std::vector<char*> arguments;
@@ -74,6 +84,15 @@ TempFolder::TempFolder() {
 TempFolder::~TempFolder() {
   std::error_code ignored;
   std::filesystem::remove_all(path_, ignored);
+}
+
+std::optional<std::string> Process::cannot_replace_hosts(const std::filesystem::path& hosts_file) {
+  const pid_t child = fork();
+  if (child == 0) _exit(replace_hosts(hosts_file) ? 0 : errno);
+  int status = 0;
+  if (child < 0 || waitpid(child, &status, 0) != child || !WIFEXITED(status)) return "no process";
+  if (WEXITSTATUS(status) == 0) return std::nullopt;
+  return "no mount namespace, or nothing may be mounted: " + std::string(std::strerror(WEXITSTATUS(status)));
 }
 
 Process::Process(ProcessOptions options) : options_(std::move(options)) {

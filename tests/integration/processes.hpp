@@ -41,7 +41,8 @@ struct ProcessOptions {
   std::filesystem::path out{}, err{};                // files for its stdout and stderr
   std::filesystem::path folder = ".";                // its working directory
   std::map<std::string, std::string> environment{};  // in addition to this process's
-  pid_t network_of = 0;  // the process whose network namespace it enters; 0: this one
+  pid_t network_of = 0;                // the process whose network namespace it enters; 0: this one
+  std::filesystem::path hosts_file{};  // what it sees as /etc/hosts; empty: this machine's
 };
 
 // The exit status of a process, or 128 + the signal that killed it.
@@ -51,6 +52,8 @@ class Process {
  public:
   // Aborts the test program if the process cannot be started.
   explicit Process(ProcessOptions options);
+  // The reason if processes cannot have a hosts file of their own here.
+  static std::optional<std::string> cannot_replace_hosts(const std::filesystem::path& hosts_file);
   // Kills the process if it is running, and waits for it.
   ~Process();
   Process(Process&& other) noexcept;

@@ -277,6 +277,51 @@ TEST_F(SecurityTest, CertificatesAreReadAgainOnSighup) {
   EXPECT_THAT(refusal({"jobs"}), HasSubstr("--tls-ca"));
 }
 
+// The coordinator comes back with certificates of another authority and with other tokens, for which the
+// worker has read its files again.
+TEST_F(SecurityTest, AWorkerReadsItsCertificatesAndItsTokenAgainOnSighup) {
+  make_certificates("others");
+  std::filesystem::create_directory(folder_ / "files");
+  const auto install = [&](const std::string& from, const std::vector<std::string>& files) {
+    for (const std::string& file : files)
+      std::filesystem::copy_file(folder_ / from / file, folder_ / "files" / file,
+                                 std::filesystem::copy_options::overwrite_existing);
+  };
+  const auto own = [&](const std::string& file) { return folder_ / "files" / file; };
+  const std::vector<std::string> of_coordinator{"coordinator.pem", "coordinator.key", "tokens"};
+  const std::vector<std::string> of_worker{"ca.pem", "worker.pem", "worker.key", "work.token"};
+  install("certificates", of_coordinator), install("certificates", of_worker);
+  coordinator_options_ = {"--tls-certificate", own("coordinator.pem"), "--tls-key", own("coordinator.key"),
+                          "--tls-client-ca",   own("ca.pem"),          "--tokens",  own("tokens")};
+  security_ = {own("ca.pem"), own("worker.pem"), own("worker.key"), own("work.token"), false};
+  start_coordinator();
+  Process& worker = start_worker("worker", 1);
+  const auto says = [&](const std::string& words) {
+    return poll_until(std::chrono::seconds(60),
+                      [&] { return worker.err().find(words) != std::string::npos; });
+  };
+  ASSERT_TRUE(says("registered with the coordinator"));
+
+  install("others", {"worker.pem"});
+  worker.signal(SIGHUP);
+  ASSERT_TRUE(says("worker.key: this is not the key of "));
+  EXPECT_THAT(worker.err(), HasSubstr("certificates and token stay as they were"));
+
+  install("others", of_worker);
+  worker.signal(SIGHUP);
+  ASSERT_TRUE(says("has read certificates and token again"));
+  kill_coordinator();
+  install("others", of_coordinator);
+  restart_coordinator();
+  const std::string others = folder_ / "others";
+  security_ = {others + "/ca.pem", others + "/client.pem", others + "/client.key", others + "/submit.token",
+               false};
+  const std::vector<std::string> options{"--size", "64x64", "--spp", "2"};
+  const std::string id = submit(options);
+  EXPECT_EQ(tessera({"watch", id}).exit_code, 0);
+  EXPECT_TRUE(image(id, ".exr") == render_here(options, ".exr"));
+}
+
 // A client certificate with a line in the file of tokens needs no token.
 TEST_F(SecurityTest, CertificatesHaveRolesToo) {
   write_file(folder_ / "tokens", "work worker certificate shared\nsubmit client certificate\n");

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 namespace tessera::test {
 
@@ -44,27 +45,43 @@ Network::Switch::Switch() : thread_([this] { run(); }) {}
 Network::Switch::~Switch() {
   stopping_ = true;
   thread_.join();
-  for (const int port : ports_) close(port);
+  for (const auto& [host, port] : ports_) close(port->socket);
 }
 
-void Network::Switch::add_port(const std::string& interface) {
-  const int port = open_port(interface);
+void Network::Switch::add_port(int host, const std::string& interface) {
+  auto port = std::make_shared<Port>();
+  port->socket = open_port(interface);
   const std::lock_guard lock(mutex_);
-  ports_.push_back(port);
+  ports_[host] = std::move(port);
+}
+
+std::shared_ptr<Network::Switch::Port> Network::Switch::port_of(int host) const {
+  const std::lock_guard lock(mutex_);
+  return ports_.at(host);
+}
+
+void Network::Switch::set_line(int host, std::chrono::milliseconds delay, double bytes_per_second) {
+  const auto port = port_of(host);
+  port->delay_ms = delay.count();
+  port->up.bytes_per_second = port->down.bytes_per_second = bytes_per_second;
+}
+
+std::uint64_t Network::Switch::sent_bytes(int host) const {
+  return port_of(host)->sent_bytes;
 }
 
 void Network::Switch::run() {
   while (!stopping_) {
-    std::vector<int> ports;
+    Ports ports;
     {
       const std::lock_guard lock(mutex_);
-      ports = ports_;
+      for (const auto& [host, port] : ports_) ports.push_back(port);
     }
     std::vector<pollfd> waiting;
-    for (const int port : ports) waiting.push_back({port, POLLIN, 0});
+    for (const auto& port : ports) waiting.push_back({port->socket, POLLIN, 0});
     int wait_ms = kLongestPollMs;
     if (!held_up_.empty()) {
-      const auto left = std::chrono::ceil<std::chrono::milliseconds>(held_up_.front().due - Clock::now());
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(held_up_.begin()->first - Clock::now());
       wait_ms = static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, kLongestPollMs));
     }
     poll(waiting.data(), waiting.size(), wait_ms);
@@ -73,40 +90,62 @@ void Network::Switch::run() {
   }
 }
 
-// All frames share one line, as at one site.
-std::optional<Network::Switch::Clock::time_point> Network::Switch::passes_at(std::size_t bytes) {
-  const auto now = Clock::now();
-  const auto delay = std::chrono::milliseconds(delay_ms_);
-  if (!(bytes_per_second_ > 0)) return now + delay;
-  if (line_is_free_ > now + kMaxQueue) return std::nullopt;
-  const std::chrono::duration<double> takes(static_cast<double>(bytes) / bytes_per_second_);
-  line_is_free_ = std::max(line_is_free_, now) + std::chrono::duration_cast<Clock::duration>(takes);
-  return line_is_free_ + delay;
+std::optional<Network::Switch::Clock::time_point> Network::Switch::pass(Line& line, std::size_t bytes,
+                                                                        Clock::time_point time) {
+  const double rate = line.bytes_per_second;
+  if (!(rate > 0)) return time;
+  if (line.is_free > time + kMaxQueue) return std::nullopt;
+  const std::chrono::duration<double> takes(static_cast<double>(bytes) / rate);
+  line.is_free = std::max(line.is_free, time) + std::chrono::duration_cast<Clock::duration>(takes);
+  return line.is_free;
 }
 
-void Network::Switch::take_frames(const std::vector<int>& ports) {
+std::optional<Network::Switch::Clock::time_point> Network::Switch::passes_at(const Frame& frame) {
+  const std::size_t bytes = frame.bytes.size();
+  auto time = pass(frame.from->up, bytes, Clock::now());
+  if (time) time = pass(site_, bytes, *time);
+  if (time && frame.to) time = pass(frame.to->down, bytes, *time);
+  if (!time) return time;
+  const std::int64_t delay_ms = delay_ms_ + frame.from->delay_ms + (frame.to ? frame.to->delay_ms.load() : 0);
+  return *time + std::chrono::milliseconds(delay_ms);
+}
+
+void Network::Switch::take_frames(const Ports& ports) {
   std::string buffer(kMaxFrameBytes, '\0');
-  for (const int port : ports) {
+  for (const auto& port : ports) {
     while (true) {
-      const ssize_t size = recv(port, buffer.data(), buffer.size(), 0);
+      const ssize_t size = recv(port->socket, buffer.data(), buffer.size(), 0);
       if (size <= 0) break;  // no more frames, or the cable is disconnected
-      if (std::uniform_real_distribution<double>()(random_) < lost_share_) continue;
-      const auto due = passes_at(static_cast<std::size_t>(size));
-      if (!due) continue;
-      held_up_.push_back({*due, port, buffer.substr(0, static_cast<std::size_t>(size))});
+      take_frame(port, buffer.substr(0, static_cast<std::size_t>(size)));
     }
   }
 }
 
-void Network::Switch::pass_on(const std::vector<int>& ports) {
-  while (!held_up_.empty() && held_up_.front().due <= Clock::now()) {
-    const Frame& frame = held_up_.front();
-    for (const int port : ports) {
-      // Frames to a disconnected cable are lost.
-      if (port != frame.from) [[maybe_unused]]
-        const ssize_t sent = send(port, frame.bytes.data(), frame.bytes.size(), 0);
-    }
-    held_up_.pop_front();
+void Network::Switch::take_frame(const std::shared_ptr<Port>& from, std::string bytes) {
+  if (bytes.size() < sizeof(ethhdr)) return;
+  from->sent_bytes += bytes.size();
+  if (std::uniform_real_distribution<double>()(random_) < lost_share_) return;
+  // A frame begins with its destination and its source.
+  Station destination, source;
+  std::copy_n(bytes.begin(), destination.size(), destination.begin());
+  std::copy_n(bytes.begin() + destination.size(), source.size(), source.begin());
+  stations_[source] = from;
+  const auto known = stations_.find(destination);
+  Frame frame{from, known == stations_.end() ? nullptr : known->second, std::move(bytes)};
+  if (const auto due = passes_at(frame)) held_up_.emplace(*due, std::move(frame));
+}
+
+void Network::Switch::pass_on(const Ports& ports) {
+  while (!held_up_.empty() && held_up_.begin()->first <= Clock::now()) {
+    const Frame& frame = held_up_.begin()->second;
+    // Frames to a disconnected cable are lost.
+    const auto send_to = [&](const Port& port) {
+      [[maybe_unused]] const ssize_t sent = send(port.socket, frame.bytes.data(), frame.bytes.size(), 0);
+    };
+    if (frame.to) send_to(*frame.to);
+    for (const auto& port : ports)
+      if (!frame.to && port != frame.from) send_to(*port);
+    held_up_.erase(held_up_.begin());
   }
 }
 

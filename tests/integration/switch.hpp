@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A switch between network interfaces of this namespace, run by its own thread. Thread-safe.
+// A switch between network interfaces of this namespace, run by its own thread. It learns at which port each
+// station is. Thread-safe.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
-#include <deque>
+#include <cstdint>
+#include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <random>
@@ -21,35 +25,52 @@ class Network::Switch {
   Switch();
   ~Switch();
 
-  // Forwards frames from each interface to all others.
-  void add_port(const std::string& interface);
+  void add_port(int host, const std::string& interface);
   void hold_up(std::chrono::milliseconds delay) { delay_ms_ = delay.count(); }
   void lose(double share) { lost_share_ = share; }
-  void limit_rate(double bytes_per_second) { bytes_per_second_ = bytes_per_second; }
+  void limit_rate(double bytes_per_second) { site_.bytes_per_second = bytes_per_second; }
+  void set_line(int host, std::chrono::milliseconds delay, double bytes_per_second);
+  std::uint64_t sent_bytes(int host) const;
 
  private:
   using Clock = std::chrono::steady_clock;
+  using Station = std::array<char, 6>;  // an Ethernet address
+  // One direction of a line.
+  struct Line {
+    std::atomic<double> bytes_per_second = 0;  // 0: unlimited
+    Clock::time_point is_free{};               // used by the thread only
+  };
+  struct Port {
+    int socket;
+    std::atomic<std::int64_t> delay_ms = 0;
+    Line up, down;
+    std::atomic<std::uint64_t> sent_bytes = 0;
+  };
+  using Ports = std::vector<std::shared_ptr<Port>>;
   struct Frame {
-    Clock::time_point due;
-    int from;
+    std::shared_ptr<Port> from, to;  // `to` is null for all others
     std::string bytes;
   };
 
   void run();
-  // When a frame that arrives now is forwarded. Empty if it is dropped because the queue is full.
-  std::optional<Clock::time_point> passes_at(std::size_t bytes);
-  void take_frames(const std::vector<int>& ports);
-  void pass_on(const std::vector<int>& ports);
+  // When a frame that enters the line at `time` has passed it. Empty if it is dropped because the queue is
+  // full.
+  static std::optional<Clock::time_point> pass(Line& line, std::size_t bytes, Clock::time_point time);
+  std::optional<Clock::time_point> passes_at(const Frame& frame);
+  void take_frames(const Ports& ports);
+  void take_frame(const std::shared_ptr<Port>& from, std::string bytes);
+  void pass_on(const Ports& ports);
+  std::shared_ptr<Port> port_of(int host) const;
 
   std::atomic<std::int64_t> delay_ms_ = 0;
   std::atomic<double> lost_share_ = 0;
-  std::atomic<double> bytes_per_second_ = 0;  // 0: unlimited
   std::atomic<bool> stopping_ = false;
-  std::mutex mutex_;
-  std::vector<int> ports_;  // sockets; guarded by mutex_
+  mutable std::mutex mutex_;
+  std::map<int, std::shared_ptr<Port>> ports_;  // by host; guarded by mutex_
   // Used by the thread only:
-  std::deque<Frame> held_up_;
-  Clock::time_point line_is_free_{};
+  Line site_;  // all frames share it
+  std::map<Station, std::shared_ptr<Port>> stations_;
+  std::multimap<Clock::time_point, Frame> held_up_;  // by when they are due
   std::mt19937 random_{1};
   std::thread thread_;
 };

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// The simulated workers of one farm with their connections, which share one thread of timers. Not
+// thread-safe.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bench/scale/ready_tiles.hpp"
+#include "bench/scale/simulated_worker.hpp"
+#include "bench/scale/tally.hpp"
+#include "bench/scale/timeline.hpp"
+#include "core/base/error.hpp"
+
+namespace tessera::bench {
+
+class SimulatedWorkers {
+ public:
+  // The tally must outlive it.
+  explicit SimulatedWorkers(Tally& tally) : tally_(tally) {}
+  // Waits for the end of their calls.
+  ~SimulatedWorkers();
+  SimulatedWorkers(const SimulatedWorkers&) = delete;
+  SimulatedWorkers& operator=(const SimulatedWorkers&) = delete;
+
+  // Starts this many, one after the other, as on machines that start a program over a network. Blocks for a
+  // millisecond each.
+  core::Status start(int count, const Speed& speed, const std::string& address);
+  // Ends one as if its process was killed: its connection closes, and what it has not delivered is lost.
+  void kill(std::size_t worker);
+
+ private:
+  Tally& tally_;
+  const ReadyTiles tiles_;
+  Timeline timeline_;
+  std::vector<std::shared_ptr<SimulatedWorker>> workers_;  // null where one was killed
+  std::vector<std::weak_ptr<SimulatedWorker>> killed_;
+};
+
+}  // namespace tessera::bench
