@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The jobs of a worker's leases, and how far each has come before its leases are rendered. Not thread-safe;
+// The jobs of a worker's leases, and the state of each until its leases are rendered. Not thread-safe;
 // guarded by LeaseTracker.
 //
 //   WANTED ──begin_fetch──▶ FETCHING ──fetched──▶ READY ──scene cannot be built──▶ UNUSABLE

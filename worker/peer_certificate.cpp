@@ -12,6 +12,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "core/common/openssl_free.hpp"
 #include "proto/peer_ticket.hpp"
 
 namespace tessera::worker {
@@ -25,13 +26,7 @@ constexpr long kValidSeconds = 3650 * kDaySeconds;
 constexpr long kVersion3 = 2;
 constexpr std::size_t kMaxPemBytes = 4 << 10;
 
-template <auto free_object>
-struct FreeWith {
-  template <typename Object>
-  void operator()(Object* object) const {
-    free_object(object);
-  }
-};
+using common::FreeWith;
 using Key = std::unique_ptr<EVP_PKEY, FreeWith<EVP_PKEY_free>>;
 using Certificate = std::unique_ptr<X509, FreeWith<X509_free>>;
 using Extension = std::unique_ptr<X509_EXTENSION, FreeWith<X509_EXTENSION_free>>;

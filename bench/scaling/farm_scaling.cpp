@@ -71,10 +71,9 @@ std::vector<ScalingRun> runs(const Options& options) {
 }
 
 void print_head() {
-  std::cout
-      << "| workers | scene | killed | spp | seconds | efficiency | rendered in vain | all busy after, s | "
-         "coordinator, cores | simulated workers, cores |\n"
-      << "|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|" << std::endl;
+  std::cout << "| workers | scene | killed | spp | seconds | efficiency | redundant | all busy after, s | "
+               "coordinator, cores | simulated workers, cores |\n"
+            << "|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|" << std::endl;
 }
 
 void print_row(const ScalingRun& run, const ScalingFigures& figures) {

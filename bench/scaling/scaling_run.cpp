@@ -47,7 +47,7 @@ class Deaths {
  public:
   Deaths(const ScalingRun& run, SimulatedWorkers& workers) : run_(run), workers_(workers) {}
 
-  // Kills those whose time has come, this many seconds after the submission.
+  // Kills those that are due this many seconds after the submission.
   void advance(double seconds) {
     while (killed() < run_.dying() && seconds >= run_.ideal_seconds * (killed() + 0.5) / run_.dying()) {
       workers_.kill(static_cast<std::size_t>(killed() * run_.workers / run_.dying()));

@@ -9,6 +9,7 @@
 
 #include <memory>
 
+#include "core/common/openssl_free.hpp"
 #include "core/image/file_io.hpp"
 
 namespace tessera::common {
@@ -16,16 +17,9 @@ namespace {
 
 using core::ErrorCode;
 
-template <auto kFree>
-struct Free {
-  template <typename T>
-  void operator()(T* object) const {
-    kFree(object);
-  }
-};
-using Bio = std::unique_ptr<BIO, Free<BIO_free>>;
-using Certificate = std::unique_ptr<X509, Free<X509_free>>;
-using Key = std::unique_ptr<EVP_PKEY, Free<EVP_PKEY_free>>;
+using Bio = std::unique_ptr<BIO, FreeWith<BIO_free>>;
+using Certificate = std::unique_ptr<X509, FreeWith<X509_free>>;
+using Key = std::unique_ptr<EVP_PKEY, FreeWith<EVP_PKEY_free>>;
 
 // Keys with a passphrase are refused: there is nobody to type it.
 int no_passphrase(char*, int, int, void*) {

@@ -97,16 +97,16 @@ bool TileStream::poll_changes() {
 bool TileStream::write_tiles(std::string& out, std::size_t max_bytes, Clock::time_point now) {
   JoinedTiles joined;
   const auto size = [&] { return out.size() + joined.size_bytes(); };
-  bool goes_on = true;
-  while (goes_on && queue_ && size() < max_bytes && now >= retry_at_ && share_.may_send(now)) {
+  bool continues = true;
+  while (continues && queue_ && size() < max_bytes && now >= retry_at_ && share_.may_send(now)) {
     const auto next = queue_->take(now);
     if (!next) break;
     const std::size_t before = size();
-    goes_on = write_tile(*next, joined, out, now);
+    continues = write_tile(*next, joined, out, now);
     share_.note_sent(size() - before);
   }
   joined.append_to(out);
-  return goes_on;
+  return continues;
 }
 
 bool TileStream::write_tile(const TileQueue::Next& next, JoinedTiles& joined, std::string& out,

@@ -13,6 +13,7 @@
 #include "core/image/decode.hpp"
 #include "tests/support/fake_tev.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/client/glowing_sphere.hpp"
 #include "tests/unit/client/process.hpp"
 
 namespace tessera::client {
@@ -27,14 +28,7 @@ constexpr std::uint64_t kPixels = 150 * 100;
 
 class Resume : public testing::Test {
  protected:
-  Resume() {
-    write_file(path("scene.json"), R"({
-  "render": {"width": 150, "height": 100, "spp": 4},
-  "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]},
-  "materials": {"glow": {"type": "lambert", "albedo": 0.5, "emission": [2, 1, 0.5]}},
-  "shapes": [{"type": "sphere", "radius": 1, "center": [0, 0, 0], "material": "glow"}]
-})");
-  }
+  Resume() { write_file(path("scene.json"), kGlowingSphere); }
 
   std::string path(const std::string& name) const { return folder_.path() / name; }
   std::vector<std::string> names() const {
@@ -58,7 +52,8 @@ class Resume : public testing::Test {
     EXPECT_TRUE(header);
     if (!header) return "0";
     const std::uint64_t pixels = header->render.settings.window().pixel_count();
-    return std::to_string(header->totals.counters.samples / pixels + 70);  // tiles may have 64 more than others
+    return std::to_string(header->totals.counters.samples / pixels +
+                          70);  // tiles may have 64 more than others
   }
   // The file that a render without interruption writes.
   std::string at_once(const std::string& spp, const std::vector<std::string>& more = {}) const {

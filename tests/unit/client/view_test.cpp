@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/client/glowing_sphere.hpp"
 #include "tests/unit/client/process.hpp"
 #include "tests/unit/http/raw_client.hpp"
 
@@ -31,14 +32,7 @@ std::string address_in(const std::string& err) {
 
 class View : public testing::Test {
  protected:
-  View() {
-    write_file(path("scene.json"), R"({
-  "render": {"width": 150, "height": 100, "spp": 4},
-  "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]},
-  "materials": {"glow": {"type": "lambert", "albedo": 0.5, "emission": [2, 1, 0.5]}},
-  "shapes": [{"type": "sphere", "radius": 1, "center": [0, 0, 0], "material": "glow"}]
-})");
-  }
+  View() { write_file(path("scene.json"), kGlowingSphere); }
 
   std::string path(const std::string& name) const { return folder_.path() / name; }
   // Renders with the page, and calls `use` with its address when `text` has appeared on stderr; then Ctrl-C.
