@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // tessera: the command line. Hands over to the command that was called and reports its exit status.
 #include <CLI/CLI.hpp>
-#include <cstdlib>
 #include <exception>
 #include <new>
 #include <string>
@@ -12,6 +11,7 @@
 #include "core/base/standard_streams.hpp"
 #ifdef TESSERA_FARM
 #include "client/farm/farm_commands.hpp"
+#include "proto/channel.hpp"
 #endif
 #include "core/base/version.hpp"
 
@@ -39,6 +39,8 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   int exit_code = kExitOk;
   add_render_command(app, exit_code);
+  add_import_command(app, exit_code);
+  add_info_command(app, exit_code);
   add_compare_command(app, exit_code);
   add_schema_command(app, exit_code);
 #ifndef TESSERA_FARM
@@ -59,8 +61,9 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   tessera::core::prepare_standard_streams();
-  // Errors are told once, in our words; GRPC_VERBOSITY=DEBUG brings gRPC's own back.
-  setenv("GRPC_VERBOSITY", "NONE", 0);
+#ifdef TESSERA_FARM
+  tessera::proto::configure_grpc();
+#endif
   try {
     return tessera::client::run(argc, argv);
   } catch (const std::bad_alloc&) {

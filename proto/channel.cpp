@@ -5,6 +5,7 @@
 #include <grpcpp/resource_quota.h>
 #include <grpcpp/support/client_interceptor.h>
 
+#include <cstdlib>
 #include <functional>
 #include <utility>
 #include <vector>
@@ -93,6 +94,12 @@ void refuse_compression(grpc::ServerBuilder& builder) {
 }
 
 }  // namespace
+
+void configure_grpc() {
+  constexpr int kKeepWhatIsThere = 0;
+  setenv("GRPC_VERBOSITY", "NONE", kKeepWhatIsThere);
+  setenv("GRPC_CLIENT_CHANNEL_BACKUP_POLL_INTERVAL_MS", "100", kKeepWhatIsThere);
+}
 
 core::Result<std::shared_ptr<grpc::Channel>> open_channel(const std::string& address,
                                                           const ClientSecurity& security) {

@@ -23,10 +23,15 @@ inline constexpr const char* kCoordinatorVariable = "TESSERA_COORDINATOR";
 
 inline constexpr int kMaxMessageBytes = 64 << 20;
 
+// Sets what gRPC reads from the environment, unless that has it: programs call it first. gRPC logs nothing,
+// since errors are reported once, by our own messages (GRPC_VERBOSITY=DEBUG turns its log on), and connects
+// between calls, too: by default it looks at such a connection every 5 s, later than the handshake of TLS
+// times out.
+void configure_grpc();
+
 // A channel to the coordinator at HOST:PORT. Connects with the first call, and again whenever the connection
-// is lost. A peer that vanished is detected within about 15 s, and a restarted one within about 1 s, but only
-// while a call with wait_for_ready waits for it. Between calls nothing drives the connection for up to 5 s.
-// Every call carries the token, if there is one. Errors: those of channel_credentials() and read_token().
+// is lost. A peer that vanished is detected within about 15 s, and a restarted one within about 1 s. Every
+// call carries the token, if there is one. Errors: those of channel_credentials() and read_token().
 core::Result<std::shared_ptr<grpc::Channel>> open_channel(const std::string& address,
                                                           const ClientSecurity& security = {});
 

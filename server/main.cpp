@@ -24,6 +24,7 @@
 #include "core/common/service_manager.hpp"
 #include "core/sandbox/check.hpp"
 #include "proto/certificates.hpp"
+#include "proto/channel.hpp"
 #include "server/admin/maintenance.hpp"
 #include "server/farm/totals.hpp"
 #include "server/http/api.hpp"
@@ -231,8 +232,7 @@ core::Status run_guarded(const server::Options& options, const sigset_t& signals
 
 int main(int argc, char** argv) {
   core::prepare_standard_streams();
-  // Errors are reported once, by our own messages; GRPC_VERBOSITY=DEBUG turns gRPC's log on.
-  setenv("GRPC_VERBOSITY", "NONE", 0);
+  proto::configure_grpc();
   const server::Options options = server::parse_options(argc, argv);
   common::log_to_stderr("tessera-coordinator", options.log);
   ::umask(S_IRWXG | S_IRWXO);  // other users of this machine must not read submitted scenes

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <cstdlib>
 #include <memory>
 #include <stop_token>
 
@@ -153,8 +152,7 @@ int run(const worker::Options& options, char** arguments) {
 
 int main(int argc, char** argv) {
   core::prepare_standard_streams();
-  // Errors are reported once, by our own messages; GRPC_VERBOSITY=DEBUG turns gRPC's log on.
-  setenv("GRPC_VERBOSITY", "NONE", 0);
+  proto::configure_grpc();
   worker::keep_program_name();
   const worker::Options options = worker::parse_options(argc, argv);
   common::log_to_stderr("tessera-worker", options.log);
