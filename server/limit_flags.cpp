@@ -77,9 +77,8 @@ void add_scene_flags(CLI::App& app, Limits& limits) {
   add<std::uint64_t>(app, "--max-uploads", limits.uploads, 1, kMany, "Most uploads at once");
   add<std::uint64_t>(app, validator::kTrianglesFlag, limits.triangles, 1, kMany,
                      "Most triangles of a scene's meshes");
-  add<std::uint64_t>(
-      app, validator::kLightsFlag, limits.lights, 1, kMany,
-      "Most lights of a scene: emissive triangles, quads and spheres, again for every instance");
+  add<std::uint64_t>(app, validator::kLightsFlag, limits.lights, 1, kMany,
+                     "Most lights of a scene: emissive triangles and other shapes, again for every instance");
   add<std::uint64_t>(app, validator::kTexturePixelsFlag, limits.texture_pixels, 1, kMaxTexturePixels,
                      "Most pixels of a texture");
   add<std::uint64_t>(app, validator::kSceneTexturePixelsFlag, limits.scene_texture_pixels, 1,

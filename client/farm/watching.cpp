@@ -25,8 +25,21 @@ namespace {
 
 // A coordinator that is back is found within this time.
 constexpr std::chrono::seconds kLongestPause{2};
-// Of workers that one wait tells of, each once.
+// Of a job that one wait tells of, each once.
 constexpr std::size_t kMaxTroubles = 100;
+
+class TroubleNotices {
+ public:
+  explicit TroubleNotices(std::function<void(const std::string&)> notify) : notify_(std::move(notify)) {}
+  void take(const v1::Job& job) {
+    for (const std::string& trouble : job.troubles())
+      if (told_.size() < kMaxTroubles && told_.insert(trouble).second) notify_(core::printable(trouble));
+  }
+
+ private:
+  const std::function<void(const std::string&)> notify_;
+  std::set<std::string> told_;
+};
 
 tl::unexpected<core::Error> interruption() {
   return core::fail(core::ErrorCode::kCancelled, "interrupted");
@@ -105,8 +118,9 @@ core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
 core::Result<v1::Job> wait_until_validated(Farm& farm, const v1::Job& submitted,
                                            const std::function<void(const std::string&)>& on_notice) {
   if (is_validated(submitted.state())) return submitted;
+  TroubleNotices troubles(on_notice);
   return watch_until(
-      farm, submitted.id(), is_validated, [](const v1::Job&) {}, on_notice);
+      farm, submitted.id(), is_validated, [&](const v1::Job& update) { troubles.take(update); }, on_notice);
 }
 
 core::Result<v1::Job> watch_with_progress(Farm& farm, const std::string& job_id) {
@@ -120,12 +134,11 @@ core::Result<v1::Job> watch_with_progress(Farm& farm, const std::string& job_id,
     progress.erase();
     print_warning(notice);
   };
-  std::set<std::string> told;
+  TroubleNotices troubles(notify);
   auto job = watch_job(
       farm, job_id,
       [&](const v1::Job& update) {
-        for (const std::string& trouble : update.troubles())
-          if (told.size() < kMaxTroubles && told.insert(trouble).second) notify(core::printable(trouble));
+        troubles.take(update);
         for (const std::string& notice : notices.take()) notify(notice);
         progress.update(progress_of(update), steady_seconds());
       },

@@ -161,6 +161,7 @@ v1::Job summarise(const JobSnapshot& snapshot) {
   if (snapshot.is_validating) {
     job.set_state(v1::JOB_STATE_VALIDATING);
     say_what_is_ahead(snapshot, job);
+    job.mutable_troubles()->Add(snapshot.troubles.begin(), snapshot.troubles.end());
     return job;
   }
   if (snapshot.is_validated) job.mutable_settings()->set_spp(view.shape.spp);

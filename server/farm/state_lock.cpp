@@ -69,6 +69,10 @@ events::Revision StateLock::note_progress(JobRecord& record) {
                                      : events_.append(events::SubjectKind::kJob, id);
 }
 
+void StateLock::note_progress(ValidatingJob& job) {
+  job.last_event = events_.append(events::SubjectKind::kJob, job.spec->id());
+}
+
 std::map<std::string, JobRecord>::node_type StateLock::remove_job(const std::string& id) {
   auto removed = state_.remove_job(id);
   events_.append_end(events::SubjectKind::kJob, id);
@@ -76,8 +80,7 @@ std::map<std::string, JobRecord>::node_type StateLock::remove_job(const std::str
 }
 
 void StateLock::add_validating(ValidatingJob job) {
-  ValidatingJob& added = state_.add_validating(std::move(job));
-  added.last_event = events_.append(events::SubjectKind::kJob, added.spec->id());
+  note_progress(state_.add_validating(std::move(job)));
 }
 
 std::map<std::string, ValidatingJob>::node_type StateLock::delete_validating(const std::string& id) {

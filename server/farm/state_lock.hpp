@@ -53,6 +53,7 @@ class TESSERA_THREAD_ANNOTATION(scoped_lockable) StateLock {
   void change(JobRecord& record) { record.revision = note_progress(record); }
   // The job has changed, but not what the store keeps of it besides its tiles. Returns the revision.
   events::Revision note_progress(JobRecord& record);
+  void note_progress(ValidatingJob& job);
   // Removes a job that the scheduler no longer has. The caller destroys the returned record without the lock.
   std::map<std::string, JobRecord>::node_type remove_job(const std::string& id);
   // Adds a job that is to be validated.

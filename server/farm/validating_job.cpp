@@ -20,6 +20,7 @@ JobSnapshot snapshot_of(const ValidatingJob& job) {
   view.shape = kNoShape;
   JobSnapshot snapshot(record, std::move(view));
   snapshot.is_validating = true;
+  if (!job.trouble.empty()) snapshot.troubles = {job.trouble};
   return snapshot;
 }
 

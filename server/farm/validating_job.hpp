@@ -30,8 +30,10 @@ struct ValidatingJob {
   // Somebody will validate it, or is doing so.
   bool is_queued = false;
   bool is_begun = false;
-  // A validation that ended without a result is repeated, and not earlier than this.
+  // A validation that ended without a result is repeated, and not earlier than this; and why it did, for
+  // users.
   scheduler::Time next_attempt{};
+  std::string trouble{};
 };
 
 JobSnapshot snapshot_of(const ValidatingJob& job);

@@ -130,7 +130,8 @@ class JobService {
   // Returns the job with the settings of its scene.
   core::Result<v1::Job> check_scene(const Validation& task);
   core::Status check_files(const v1::Bundle& bundle, const std::stop_token& stop);
-  void repeat_validation(const std::string& id);
+  // `trouble`: why, for users; empty if the coordinator is stopping.
+  void repeat_validation(const std::string& id, std::string trouble);
   core::Status fail_validation(const std::string& id, const core::Error& error);
   // Stores a validated job and hands it to the scheduler.
   core::Status start(v1::Job spec);

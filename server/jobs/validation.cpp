@@ -152,22 +152,24 @@ void JobService::validate(const std::string& id) {
   const auto task = begin_validation(id);
   if (!task) return;
   auto spec = guarded([&] { return check_scene(*task); });
-  if (!spec && spec.error().code == ErrorCode::kUnavailable) return repeat_validation(id);
+  if (!spec && spec.error().code == ErrorCode::kUnavailable) return repeat_validation(id, "");
   const core::Status ended = spec ? start(*std::move(spec)) : fail_validation(id, spec.error());
   if (ended) return;
-  common::log(spdlog::level::err,
-              fmt::format("job {}: the end of its validation could not be stored: {}; it is repeated", id,
-                          ended.error().message),
-              {.job = id});
-  repeat_validation(id);
+  const std::string trouble =
+      fmt::format("the end of its validation could not be stored: {}; it is repeated", ended.error().message);
+  common::log(spdlog::level::err, fmt::format("job {}: {}", id, trouble), {.job = id});
+  repeat_validation(id, trouble);
 }
 
-void JobService::repeat_validation(const std::string& id) {
+void JobService::repeat_validation(const std::string& id, std::string trouble) {
   StateLock lock(farm_);
   ValidatingJob* job = lock->find_validating(id);
   if (job == nullptr) return;  // cancelled or deleted meanwhile
   job->is_queued = job->is_begun = false;
   job->next_attempt = lock.now() + kRetryAfter;
+  if (job->trouble == trouble) return;
+  job->trouble = std::move(trouble);
+  lock.note_progress(*job);
 }
 
 core::Status JobService::fail_validation(const std::string& id, const core::Error& error) {

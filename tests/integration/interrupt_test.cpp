@@ -55,7 +55,9 @@ TEST_F(InterruptTest, ASecondOneEndsARenderAtOnce) {
   EXPECT_TRUE(status == 130 || status == 128 + SIGTERM) << status.value_or(-1);
   for (const auto& file : std::filesystem::directory_iterator(out_)) {
     const std::string name = file.path().filename();
-    if (name == "a.png" || name == "b.exr") EXPECT_TRUE(core::read_image(file.path())) << name;
+    if (name == "a.png" || name == "b.exr") {
+      EXPECT_TRUE(core::read_image(file.path())) << name;
+    }
   }
 }
 
