@@ -25,7 +25,7 @@ struct Load {
   double warm_up_seconds = 10, measured_seconds = 20;
   // Measures until all jobs are done, but at most for the given time.
   bool until_done = false;
-  std::optional<int> coordinator_core;
+  std::optional<int> coordinator_core{};
   std::string film_gib{};  // the coordinator's --max-film-gib; empty for its default
   // Clients that watch the tiles of the first job.
   int watchers = 0;

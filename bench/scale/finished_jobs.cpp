@@ -118,11 +118,14 @@ class Stopwatch {
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-// The milliseconds of a call.
-double milliseconds(const std::function<bool()>& call) {
+// The milliseconds of a call, which returns a Result.
+template <typename Call>
+double milliseconds(const Call& call) {
   const Stopwatch stopwatch;
-  if (!call()) std::cerr << "finished_jobs_bench: a call has failed\n";
-  return 1e3 * stopwatch.seconds();
+  const auto result = call();
+  const double seconds = stopwatch.seconds();
+  if (!result) std::cerr << "finished_jobs_bench: " << result.error().message << '\n';
+  return 1e3 * seconds;
 }
 
 int measure(const std::filesystem::path& folder) {
@@ -143,18 +146,16 @@ int measure(const std::filesystem::path& folder) {
   unfinished.add_states(v1::JOB_STATE_RUNNING);
   const std::string id = fmt::format("{:032x}", 777);
   jobs::JobService& jobs = coordinator.jobs();
-  const auto lists = [&](const v1::ListJobsRequest& request) {
-    return [&] { return jobs.list(request).has_value(); };
-  };
+  const auto lists = [&](const v1::ListJobsRequest& request) { return [&] { return jobs.list(request); }; };
   std::cout << fmt::format(
       "| start, s | peak resident, MiB | page of 1,000, ms | of one owner, ms | of no job, ms | GetJob, ms | "
       "GetImage, ms | files of all jobs, ms |\n|--:|--:|--:|--:|--:|--:|--:|--:|\n"
       "| {:.2f} | {:.0f} | {:.1f} | {:.1f} | {:.1f} | {:.2f} | {:.2f} | {:.0f} |\n",
       start_seconds, start_mib, milliseconds(lists(page)), milliseconds(lists(of_owner)),
-      milliseconds(lists(unfinished)), milliseconds([&] { return jobs.get(id).has_value(); }),
-      milliseconds([&] { return coordinator.images().get(id).has_value(); }), milliseconds([&] {
+      milliseconds(lists(unfinished)), milliseconds([&] { return jobs.get(id); }),
+      milliseconds([&] { return coordinator.images().get(id); }), milliseconds([&] {
         coordinator.files().collect();
-        return true;
+        return core::Status();
       }));
   std::cout << fmt::format("\npeak resident after all of them: {:.0f} MiB\n", peak_resident_mib());
   return EXIT_SUCCESS;

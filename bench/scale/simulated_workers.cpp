@@ -27,7 +27,8 @@ core::Status SimulatedWorkers::start(int count, const Speed& speed, const std::s
   for (int i = 0; i < count; ++i) {
     auto channel = own_connection(address);
     if (!channel) return core::fail(channel.error());
-    workers_.push_back(std::make_shared<SimulatedWorker>(i, speed, *std::move(channel),
+    last_connection_ = *std::move(channel);
+    workers_.push_back(std::make_shared<SimulatedWorker>(i, speed, last_connection_,
                                                          SimulatedWorker::World{tiles_, timeline_, tally_}));
     workers_.back()->start();
     std::this_thread::sleep_for(kBetweenArrivals);

@@ -3,6 +3,8 @@
 // thread-safe.
 #pragma once
 
+#include <grpcpp/channel.h>
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,11 +29,15 @@ class SimulatedWorkers {
   // Starts this many, one after the other, as on machines that start a program over a network. Blocks for a
   // millisecond each.
   core::Status start(int count, const Speed& speed, const std::string& address);
-  // Ends one as if its process was killed: its connection closes, and what it has not delivered is lost.
+  // Ends one as if its process was killed: its connection closes (but for that of the last worker), and what
+  // it has not delivered is lost.
   void kill(std::size_t worker);
 
  private:
   Tally& tally_;
+  // Of the last worker. The last owner of a worker can be a thread of gRPC's, and gRPC 1.51 stops these
+  // threads with the last connection: on one of them it would free its queue twice. So this one ends here.
+  std::shared_ptr<grpc::Channel> last_connection_;
   const ReadyTiles tiles_;
   Timeline timeline_;
   std::vector<std::shared_ptr<SimulatedWorker>> workers_;  // null where one was killed
