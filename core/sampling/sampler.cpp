@@ -59,6 +59,12 @@ float Sampler::opacity_number(std::uint64_t ray, std::uint32_t crossing) const {
   return pad(opacity_pad(ray, crossing))[crossing % kCrossingsPerPad];
 }
 
+NumberStream Sampler::stream(std::uint64_t name, std::uint32_t first_pad) const {
+  constexpr std::uint64_t kStreamKey = 0x73747265616d0000u;
+  const auto first = pad(first_pad);
+  return NumberStream(hash(hash(hash(pixel_key_, kStreamKey), sample_), name), {first[0], first[1]});
+}
+
 std::array<double, 3> Sampler::film_dither() const {
   const std::uint64_t key = hash(~pixel_key_, sample_);
   const auto part = [key](int shift) { return static_cast<double>((key >> shift) & 0x1fffff) * 0x1p-21; };

@@ -15,6 +15,25 @@
 
 namespace tessera::core {
 
+// A sequence of independent random numbers, for decisions whose number nobody knows in advance. The first
+// ones may come from a pad.
+class NumberStream {
+ public:
+  explicit NumberStream(std::uint64_t key, std::array<float, 2> first) : key_(key), first_(first) {}
+
+  // In [0, 1).
+  float next() {
+    const std::uint32_t index = count_++;
+    if (index < first_.size()) return first_[index];
+    return unit_float(static_cast<std::uint32_t>(hash(key_, index) >> 32));
+  }
+
+ private:
+  std::uint64_t key_;
+  std::array<float, 2> first_;
+  std::uint32_t count_ = 0;
+};
+
 class Sampler {
  public:
   Sampler(std::uint64_t seed, int x, int y, std::uint32_t sample)
@@ -34,6 +53,10 @@ class Sampler {
   // earlier surfaces. `ray` distinguishes the rays of a sample.
   float opacity_number(std::uint64_t ray, std::uint32_t crossing) const;
 
+  // The stream of this name, which begins with the first numbers of the pad. Streams of one sample with
+  // different names are independent.
+  NumberStream stream(std::uint64_t name, std::uint32_t first_pad) const;
+
   // Three numbers in [0, 1) for rounding a sample's channels to the film, independent of every pad.
   std::array<double, 3> film_dither() const;
 
@@ -51,6 +74,18 @@ inline constexpr std::uint32_t scatter_pad(int depth) {
 inline constexpr std::uint32_t light_pad(int depth) {
   return 2 + 2 * static_cast<std::uint32_t>(depth);
 }  // light u, v; choice, coarse and fine
+
+// In a scene with media, for the segment that ends at vertex `depth`: collision distance and kind; for the
+// first one, the channel that samples distances. Names are hashes, so that other pads keep their numbers.
+inline constexpr std::uint32_t medium_pad(int depth) {
+  constexpr std::uint64_t kMediumKey = 0x6d656469756d0000u;
+  return static_cast<std::uint32_t>(hash(kMediumKey, static_cast<std::uint64_t>(depth)));
+}
+// The same for the shadow ray from vertex `depth`.
+inline constexpr std::uint32_t shadow_medium_pad(int depth) {
+  constexpr std::uint64_t kShadowMediumKey = 0x6d656469756d0001u;
+  return static_cast<std::uint32_t>(hash(kShadowMediumKey, static_cast<std::uint64_t>(depth)));
+}
 
 // Whitted ray tracing has a tree of rays with a name for each node: the camera ray is the root, and the
 // reflected (0) and refracted (1) rays at a ray's end are its children. Each node has a pad for each

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/integrators/volume_path.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "core/integrators/direct_light.hpp"
+#include "core/integrators/opacity.hpp"
+#include "core/integrators/path.hpp"
+#include "core/integrators/path_weights.hpp"
+#include "core/integrators/vertex.hpp"
+#include "core/media/phase_function.hpp"
+#include "core/media/tracking.hpp"
+
+namespace tessera::core {
+namespace {
+
+// Names of the number streams of a path.
+constexpr std::uint64_t segment_stream(int depth) {
+  return 2 * static_cast<std::uint64_t>(depth);
+}
+constexpr std::uint64_t shadow_stream(int depth) {
+  return 2 * static_cast<std::uint64_t>(depth) + 1;
+}
+
+// A scattering point in a medium, with the part of PathVertex's interface that both share.
+class MediumVertex {
+ public:
+  MediumVertex(const Medium& medium, Vec3 position, Vec3 wo) : g_(medium.g()), position_(position), wo_(wo) {}
+
+  bool is_delta() const { return false; }
+  LightSampleContext light_context() const { return {position_, {}}; }
+  // The phase function, and the density with which sample() generates `wi`: they are equal.
+  BsdfValue evaluate(Vec3 wi) const {
+    const float phase = henyey_greenstein(g_, -dot(wo_, wi));
+    return {Rgb::gray(phase), phase};
+  }
+  std::optional<PathVertex::Scattered> sample(Vec2 u, float) const {
+    const Vec3 wi = sample_henyey_greenstein(g_, -wo_, u);
+    return PathVertex::Scattered{wi, Rgb::gray(1), evaluate(wi).pdf, false, 1};
+  }
+  Ray ray_along(Vec3 wi) const { return {position_, wi}; }
+  Ray ray_toward(const LightSample& light) const {
+    if (!light.point) return ray_along(light.wi);
+    return {position_, offset_origin(*light.point, position_ - light.point->position) - position_, 1};
+  }
+
+ private:
+  float g_;
+  Vec3 position_, wo_;
+};
+
+// The medium behind a surface in `direction`, for a ray that is in `current` before.
+int medium_beyond(const MediumInterface& media, const SurfacePoint& surface, Vec3 direction, int current) {
+  if (!media.changes_medium()) return current;
+  return dot(surface.geometric_normal, direction) > 0 ? media.exterior : media.interior;
+}
+
+class VolumePath {
+ public:
+  VolumePath(const Scene& scene, const RenderSettings& settings, const Sampler& sampler,
+             RenderCounters& counters)
+      : scene_(scene),
+        settings_(settings),
+        light_sampler_(settings.integrator == Integrator::kNaive ? scene.delta_light_sampler()
+                                                                 : scene.light_sampler()),
+        sampler_(sampler),
+        counters_(counters),
+        hero_(std::min(2, static_cast<int>(3 * sampler.pad(medium_pad(0))[2]))),
+        medium_(scene.camera_medium()) {}
+
+  Rgb trace(const Ray& ray) {
+    ray_ = ray;
+    while (step()) ++depth_;
+    return settings_.clamp_indirect > 0 ? radiance_ + clamped(indirect_, settings_.clamp_indirect)
+                                        : radiance_;
+  }
+
+ private:
+  // Follows the ray to the next vertex and scatters there; false if the path ends.
+  bool step();
+  bool collides(float t_max, NumberStream& numbers, std::optional<float>& t);
+  bool shade_surface(const Hit& hit);
+  void add_environment();
+  void add_emission(const PathVertex& vertex, std::uint32_t light);
+  void add_light(Rgb radiance, std::uint32_t light, float pdf);
+  template <typename Vertex, typename MediumToward>
+  bool scatter(const Vertex& vertex, const MediumToward& medium_toward);
+  template <typename Vertex, typename MediumToward>
+  void connect_to_light(const Vertex& vertex, const MediumToward& medium_toward);
+  SpectralWeights visibility(const Ray& ray, int medium);
+  void attenuate(const Ray& ray, float t_max, int medium, NumberStream& numbers,
+                 SpectralWeights& weights) const;
+
+  void add(Rgb radiance, int scatterings) {
+    (settings_.clamp_indirect > 0 && scatterings > 1 ? indirect_ : radiance_) += radiance;
+  }
+
+  const Scene& scene_;
+  const RenderSettings& settings_;
+  const LightSampler& light_sampler_;
+  const Sampler& sampler_;
+  RenderCounters& counters_;
+  const int hero_;  // the channel that samples distances
+
+  Ray ray_;
+  int medium_;  // at the ray's origin
+  int depth_ = 0;
+  SpectralWeights weights_;
+  float eta_scale_ = 1;  // as PathHead
+  bool delta_ = true;    // only the ray finds what it hits: as PathHead::last_pdf == kDeltaPdf
+  LightSampleContext last_{};
+  Rgb radiance_{}, indirect_{};
+};
+
+// Passes through surfaces by chance, as pass_by_chance() does.
+bool VolumePath::step() {
+  NumberStream numbers = sampler_.stream(segment_stream(depth_), medium_pad(depth_));
+  for (std::uint32_t crossing = 0;; ++crossing) {
+    ++counters_.closest_hit_rays;
+    const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), ray_);
+    std::optional<float> collision;
+    if (!collides(hit.found() ? hit.t : ray_.t_max, numbers, collision)) return false;
+    if (collision) {
+      const Medium& medium = scene_.media()[static_cast<std::size_t>(medium_)];
+      const MediumVertex vertex(medium, ray_.origin + ray_.direction * *collision,
+                                normalize(-ray_.direction));
+      return scatter(vertex, [this](Vec3) { return medium_; });
+    }
+    if (!hit.found()) {
+      add_environment();
+      return false;
+    }
+    const auto [surface, opacity] = crossing_at(scene_, ray_, hit, crossing);
+    if (opacity >= 1 ||
+        (opacity > 0 && sampler_.opacity_number(static_cast<std::uint64_t>(depth_), crossing) < opacity))
+      return shade_surface(hit);
+    medium_ = medium_beyond(scene_.material_of(hit).media, surface, ray_.direction, medium_);
+    ray_ = {offset_origin(surface, ray_.direction), ray_.direction, ray_.t_max};
+  }
+}
+
+// Samples a collision in the ray's medium; false if nothing is left of the path.
+bool VolumePath::collides(float t_max, NumberStream& numbers, std::optional<float>& t) {
+  if (medium_ == kNoMedium) return true;
+  const Collision collision = sample_collision(scene_.media()[static_cast<std::size_t>(medium_)], ray_, t_max,
+                                               hero_, numbers, weights_);
+  if (!is_black(collision.emitted)) add(collision.emitted, depth_);
+  t = collision.t;
+  return max_component(weights_.throughput) > 0;
+}
+
+bool VolumePath::shade_surface(const Hit& hit) {
+  const PathVertex vertex(scene_, ray_, hit);
+  if (const std::uint32_t light = scene_.light_of(hit); light != kNoLight) add_emission(vertex, light);
+  const MediumInterface& media = scene_.material_of(hit).media;
+  return scatter(vertex, [&](Vec3 wi) { return medium_beyond(media, vertex.surface(), wi, medium_); });
+}
+
+void VolumePath::add_environment() {
+  const std::uint32_t light = scene_.environment_light();
+  if (light == kNoLight) return;
+  const Environment& environment = scene_.environment();
+  if (depth_ == 0 && !environment.visible_to_camera()) return;
+  add_light(environment.radiance(ray_.direction), light,
+            delta_ ? 0 : environment.pdf(last_.normal, ray_.direction));
+}
+
+void VolumePath::add_emission(const PathVertex& vertex, std::uint32_t light) {
+  const AreaLight& area = scene_.area_light(light);
+  add_light(area.emitted(scene_.textures(), vertex.surface(), vertex.wo()), light,
+            delta_ ? 0 : area.pdf(last_.position, vertex.position()));
+}
+
+// Adds a light's radiance that the ray itself has found. `pdf` is the density with which the last vertex
+// samples the ray's direction, given the light.
+void VolumePath::add_light(Rgb radiance, std::uint32_t light, float pdf) {
+  const float density = mean(weights_.unidirectional);
+  float weight = 1;
+  if (!delta_ && settings_.integrator == Integrator::kNee) return;
+  if (!delta_ && settings_.integrator == Integrator::kMis)
+    weight = mis_weight(settings_.heuristic, density,
+                        mean(weights_.light) * (scene_.light_sampler().pmf(last_, light) * pdf));
+  add(weights_.throughput * radiance * (weight / density), depth_);
+}
+
+// Samples a light and a direction to continue in. medium_toward(wi) is the medium in a direction.
+template <typename Vertex, typename MediumToward>
+bool VolumePath::scatter(const Vertex& vertex, const MediumToward& medium_toward) {
+  if (depth_ >= (settings_.max_depth > 0 ? settings_.max_depth : kMaxPathDepth)) return false;
+  const float density = mean(weights_.unidirectional);
+  weights_ *= Rgb::gray(1 / density);
+  if (!light_sampler_.empty() && !vertex.is_delta()) connect_to_light(vertex, medium_toward);
+  const auto u = sampler_.pad(scatter_pad(depth_));
+  const auto next = vertex.sample({u[0], u[1]}, u[2]);
+  if (!next) return false;
+  weights_.throughput *= next->weight;
+  eta_scale_ *= next->eta * next->eta;
+  if (!survives_roulette(weights_.throughput, eta_scale_, 1.0f, depth_, u[3])) return false;
+  delta_ = next->delta;
+  weights_.light = delta_ ? weights_.unidirectional : weights_.unidirectional / next->pdf;
+  last_ = vertex.light_context();
+  medium_ = medium_toward(next->wi);
+  ray_ = vertex.ray_along(next->wi);
+  return true;
+}
+
+template <typename Vertex, typename MediumToward>
+void VolumePath::connect_to_light(const Vertex& vertex, const MediumToward& medium_toward) {
+  const auto u = sampler_.pad(light_pad(depth_));
+  const LightSampleContext context = vertex.light_context();
+  const LightSampler::Choice choice = light_sampler_.sample(context, combine_uniforms(u[2], u[3]));
+  if (choice.light == kNoLight) return;
+  const auto light = sample_light(scene_.lights()[choice.light], scene_.textures(), context, {u[0], u[1]});
+  if (!light) return;
+  const BsdfValue scattered = vertex.evaluate(light->wi);
+  if (is_black(scattered.value)) return;
+  const SpectralWeights seen = visibility(vertex.ray_toward(*light), medium_toward(light->wi));
+  if (is_black(seen.throughput)) return;
+  const float by_light = mean(weights_.unidirectional * seen.light) * (light->pdf * choice.pmf);
+  const float by_scattering = mean(weights_.unidirectional * seen.unidirectional) * scattered.pdf;
+  const float weight = light->delta || settings_.integrator != Integrator::kMis
+                           ? 1
+                           : mis_weight(settings_.heuristic, by_light, by_scattering);
+  add(weights_.throughput * seen.throughput * scattered.value * light->radiance * (weight / by_light),
+      depth_ + 1);
+}
+
+// The weights of a shadow ray that begins in `medium`: `throughput` is its transmittance.
+SpectralWeights VolumePath::visibility(const Ray& ray, int medium) {
+  NumberStream numbers = sampler_.stream(shadow_stream(depth_), shadow_medium_pad(depth_));
+  SpectralWeights weights;
+  if (scene_.is_opaque()) {
+    ++counters_.shadow_rays;
+    if (scene_.bvh().any_hit(scene_.primitives(), ray)) weights.throughput = {};
+    if (!is_black(weights.throughput)) attenuate(ray, ray.t_max, medium, numbers, weights);
+    return weights;
+  }
+  Ray rest = ray;
+  for (std::uint32_t crossing = 0;; ++crossing) {
+    ++counters_.shadow_rays;
+    const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), rest);
+    Crossing met{};
+    if (hit.found()) {
+      met = crossing_at(scene_, rest, hit, crossing);
+      weights.throughput *= 1 - met.opacity;
+      if (is_black(weights.throughput)) return weights;
+    }
+    attenuate(rest, hit.found() ? hit.t : rest.t_max, medium, numbers, weights);
+    if (!hit.found() || is_black(weights.throughput)) return weights;
+    medium = medium_beyond(scene_.material_of(hit).media, met.surface, rest.direction, medium);
+    const std::optional<Ray> beyond = rest_of(ray, met.surface);
+    if (!beyond) return weights;
+    rest = *beyond;
+  }
+}
+
+void VolumePath::attenuate(const Ray& ray, float t_max, int medium, NumberStream& numbers,
+                           SpectralWeights& weights) const {
+  if (medium == kNoMedium) return;
+  estimate_transmittance(scene_.media()[static_cast<std::size_t>(medium)], ray, t_max, hero_, numbers,
+                         weights);
+}
+
+}  // namespace
+
+Rgb trace_volume_path(const Scene& scene, const RenderSettings& settings, const Sampler& sampler,
+                      const Ray& ray, RenderCounters& counters) {
+  return VolumePath(scene, settings, sampler, counters).trace(ray);
+}
+
+}  // namespace tessera::core

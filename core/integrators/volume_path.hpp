@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Path tracing in scenes with participating media, one path at a time: one sample of the radiance that
+// arrives along a camera ray. Paths scatter at surfaces and in media (Lafortune and Willems 1996); shadow
+// rays are attenuated by both. Scenes without media take the batches of path.hpp.
+#pragma once
+
+#include "core/film/film.hpp"
+#include "core/sampling/sampler.hpp"
+#include "core/scene/scene.hpp"
+
+namespace tessera::core {
+
+// Unbiased with every strategy, as PathTracer. Counts rays in `counters`.
+Rgb trace_volume_path(const Scene& scene, const RenderSettings& settings, const Sampler& sampler,
+                      const Ray& ray, RenderCounters& counters);
+
+}  // namespace tessera::core
