@@ -169,6 +169,7 @@ std::vector<Photon> trace_caustic_photons(const Scene& scene, int threads) {
 
 const LightGuide* caustic_guide(const Scene& scene, const RenderSettings& settings, int threads) {
   if (settings.integrator != Integrator::kNee && settings.integrator != Integrator::kMis) return nullptr;
+  if (scene.has_media()) return nullptr;  // photons pass through no media
   const LightGuide& guide = scene.light_guide().get([&] {
     const auto other_light = [&scene](const Photon& place, std::uint32_t n) {
       return probe_other_light(scene, place, n);

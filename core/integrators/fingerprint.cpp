@@ -69,6 +69,88 @@ Texture dents() {
   return {.image = std::make_shared<TextureImage>(image), .scale = {4, -4}};
 }
 
+// What the other scene lacks: layered materials and media, disks and cylinders.
+SceneDescription layered_scene() {
+  SceneDescription scene;
+  scene.settings = {.width_px = 16, .height_px = 16, .spp = 8};
+  scene.camera = {.position = {0, 1, 4}, .look_at = {0, 1, 0}};
+  scene.grids = {{.size = {2, 2, 2}, .values = {0.2f, 1, 0.5f, 0.1f, 0.9f, 0.3f, 0.7f, 0.4f}}};
+  scene.media = {
+      {.name = "haze", .sigma_a = {0.01f, 0.02f, 0.03f}, .sigma_s = {0.1f, 0.08f, 0.05f}, .g = 0.3f},
+      {.name = "smoke",
+       .sigma_a = {0.2f, 0.3f, 0.4f},
+       .sigma_s = {2, 1, 0.5f},
+       .emission = {0.3f, 0.2f, 0.1f},
+       .absorption_grid = 0,
+       .scattering_grid = 0,
+       .grid_to_world = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-0.5f, 0.2f, 0.2f}}}};
+  scene.materials = {
+      {.name = "layers",
+       .model = Principled{.base_diffuse_roughness = 0.5f,
+                           .base_metalness = 0.3f,
+                           .specular_roughness_anisotropy = 0.5f,
+                           .transmission_weight = 0.3f,
+                           .coat_weight = 0.5f,
+                           .fuzz_weight = 0.3f,
+                           .thin_film_weight = 0.5f}},
+      {.name = "plastic", .model = Plastic{.roughness = 0.4f}},
+      {.name = "metal",
+       .model = ConductorMaterial{.eta = {Rgb::gray(0.2f)}, .k = {Rgb::gray(3)}, .roughness = 0.3f}},
+      {.name = "leaf", .model = DiffuseTransmission{}},
+      {.name = "pane", .model = ThinDielectric{}},
+      {.name = "blend", .model = Blend{.first = 1, .second = 2}},
+      {.name = "lamp", .model = Lambert{}, .emission = {{9, 8, 7}}, .two_sided = false},
+      {.name = "smoke", .model = Null{}, .media = {1, 0}},
+      {.name = "solid",
+       .model = Principled{.transmission_weight = 1,
+                           .transmission_color = {{0.9f, 0.5f, 0.3f}},
+                           .transmission_depth = 0.5f}}};
+  scene.shapes = {QuadDescription{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, 0},
+                  QuadDescription{{-2, 0, -2}, {4, 0, 0}, {0, 3, 0}, 5},
+                  SphereDescription{{-1, 0.6f, 0}, 0.5f, 1},
+                  SphereDescription{{1, 0.6f, 0}, 0.5f, 8},
+                  SphereDescription{{0, 0.7f, 0.7f}, 0.6f, 7},
+                  QuadDescription{{-1.5f, 1, 0}, {1, 0, 0}, {0, 1, 0}, 3},
+                  QuadDescription{{0.5f, 1, 0}, {1, 0, 0}, {0, 1, 0}, 4},
+                  DiskDescription{.center = {0, 2.8f, 0},
+                                  .radius_u = {0.5f, 0, 0},
+                                  .radius_v = {0, 0, 0.4f},
+                                  .inner = 0.2f,
+                                  .material = 6},
+                  CylinderDescription{.start = {-1.7f, 0.2f, -1},
+                                      .axis = {0, 2, 0.2f},
+                                      .radius_u = {0.1f, 0, 0},
+                                      .radius_v = {0, 0, 0.2f},
+                                      .material = 6},
+                  CylinderDescription{.start = {1.5f, 0.2f, -1},
+                                      .axis = {0, 1, 0},
+                                      .radius_u = {0.3f, 0, 0},
+                                      .radius_v = {0, 0, 0.3f},
+                                      .material = 2}};
+  return scene;
+}
+
+SceneDescription scene_with_media() {
+  SceneDescription scene = layered_scene();
+  scene.camera_medium = 0;
+  return scene;
+}
+
+SceneDescription scene_without_media() {
+  SceneDescription scene = layered_scene();
+  scene.materials[7].media = {};
+  std::get<Principled>(scene.materials[8].model).transmission_depth = 0;  // which would add a medium
+  return scene;
+}
+
+void append_sums(const Scene& scene, Integrator integrator, std::vector<std::uint64_t>& sums) {
+  RenderSettings settings = scene.settings();
+  settings.integrator = integrator;
+  const FilmTile tile =
+      render(scene, settings, {0, 0, settings.width_px, settings.height_px}, {0, settings.spp}, 1);
+  sums.insert(sums.end(), tile.sums.begin(), tile.sums.end());
+}
+
 }  // namespace
 
 // A box, open to the front, with lights of every type (one of them textured), spheres of every material, a
@@ -140,15 +222,12 @@ SceneDescription fingerprint_scene() {
 }
 
 std::string determinism_fingerprint() {
-  const auto scene = Scene::build(fingerprint_scene(), 1);
-  assert(scene.has_value());
   std::vector<std::uint64_t> sums;
-  for (const Integrator integrator : {Integrator::kMis, Integrator::kWhitted}) {
-    RenderSettings settings = scene->settings();
-    settings.integrator = integrator;
-    const FilmTile tile =
-        render(*scene, settings, {0, 0, settings.width_px, settings.height_px}, {0, settings.spp}, 1);
-    sums.insert(sums.end(), tile.sums.begin(), tile.sums.end());
+  for (SceneDescription (*describe)() : {&fingerprint_scene, &scene_without_media, &scene_with_media}) {
+    const auto scene = Scene::build(describe(), 1);
+    assert(scene.has_value());
+    append_sums(*scene, Integrator::kMis, sums);
+    if (describe != &scene_with_media) append_sums(*scene, Integrator::kWhitted, sums);
   }
   return fmt::format("{:016x}", XXH3_64bits(sums.data(), sums.size() * sizeof(sums[0])));
 }

@@ -8,11 +8,13 @@
 
 namespace tessera::core {
 
-// A scene with every kind of light, material and shape, and a texture decoded from JPEG.
+// A scene with every kind of light, the materials and shapes that batches shade, and a texture decoded from
+// JPEG.
 SceneDescription fingerprint_scene();
 
-// 16 hexadecimal digits: a hash of the exact film of the scene above. Machines with equal fingerprints
-// render the same bytes, as far as that scene can tell. Takes some milliseconds.
+// 16 hexadecimal digits: a hash of the exact films of the scene above, and of one with layered materials,
+// disks and cylinders, with and without media. Machines with equal fingerprints render the same bytes, as far
+// as these scenes can tell. Takes some tenths of a second.
 std::string determinism_fingerprint();
 
 }  // namespace tessera::core

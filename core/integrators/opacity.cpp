@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/textures/opacity.hpp"
+#include "core/materials/blend.hpp"
 
 namespace tessera::core {
-namespace {
 
-// The rest of a shadow ray behind a surface; nothing if the surface is at its end.
 std::optional<Ray> rest_of(const Ray& whole, const SurfacePoint& surface) {
   const Vec3 origin = offset_origin(surface, whole.direction);
   if (!std::isfinite(whole.t_max)) return Ray{origin, whole.direction, whole.t_max};
@@ -18,13 +16,11 @@ std::optional<Ray> rest_of(const Ray& whole, const SurfacePoint& surface) {
   return Ray{origin, rest, 1};
 }
 
-}  // namespace
-
 Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::uint32_t crossing) {
   const Material& material = scene.material_of(hit);
-  if (is_opaque(material) || crossing >= kMaxCrossings) return {{}, 1};
+  if (is_opaque(material, scene.materials()) || crossing >= kMaxCrossings) return {{}, 1};
   const SurfacePoint surface = scene.primitives().surface(ray, hit);
-  return {surface, opacity_at(material.opacity, scene.textures(), surface.uv)};
+  return {surface, opacity_at(material, scene.materials(), scene.textures(), surface.uv)};
 }
 
 Met meet_by_chance(const Scene& scene, const Ray& ray, const Sampler& sampler, std::uint64_t name) {

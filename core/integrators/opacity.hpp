@@ -57,6 +57,8 @@ struct Crossing {
   float opacity;  // of the surface there; 1 where it stops every ray
 };
 Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::uint32_t crossing);
+// The rest of a shadow ray behind a surface; nothing if the surface is at its end.
+std::optional<Ray> rest_of(const Ray& whole, const SurfacePoint& surface);
 
 // Stochastically passes rays[i] through the surfaces they hit. sampler_of(i) is the sampler of the ray's
 // sample, and name_of(i) distinguishes the rays of that sample. Returns the number of rays traced.

@@ -211,7 +211,7 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
 // Adds the environment's radiance to escaped rays.
 void PathTracer::add_environment(const Paths& paths, int depth) {
   const std::uint32_t light = scene_.environment_light();
-  if (light == kNoLight) return;
+  if (light == kNoLight || (depth == 0 && !scene_.environment().visible_to_camera())) return;
   Vec3Lanes directions, normals;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     directions.set(lane, paths.rays[lane]->direction);
@@ -368,6 +368,13 @@ PathTracer::Directions PathTracer::choose_directions(const Vertices& vertices, c
   next.bsdf_pdf = select(mixed, by_bsdf, pdf);
   next.emitter_mis_scale = select(mixed, select(guided, Float8(0.0f), density / by_bsdf), Float8(1.0f));
   next.guiding_pdf_ratio = select(mixed, density / bsdf_pdf, Float8(1.0f));
+  next.delta = delta & !guided;
+  const Mask8 by_delta = mixed & next.delta;
+  if (!any(by_delta)) return next;
+  // The guide generates no direction of a delta lobe.
+  next.weight = select(by_delta, weight * (1 / bsdf_share), next.weight);
+  next.emitter_mis_scale = select(by_delta, Float8(1.0f), next.emitter_mis_scale);
+  next.guiding_pdf_ratio = select(by_delta, bsdf_share, next.guiding_pdf_ratio);
   return next;
 }
 

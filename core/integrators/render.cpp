@@ -11,6 +11,7 @@
 #include "core/base/parallel_errors.hpp"
 #include "core/integrators/caustic_guide.hpp"
 #include "core/integrators/path.hpp"
+#include "core/integrators/volume_path.hpp"
 #include "core/integrators/whitted.hpp"
 #include "core/math/lane_array.hpp"
 #include "core/sampling/filter_warp.hpp"
@@ -140,8 +141,10 @@ class Renderer {
   }
 
   void send(const Ray& ray, std::uint32_t number) {
-    if (settings_.integrator != Integrator::kWhitted) return path_tracer_.begin(ray, number);
-    radiance_[number] = trace_whitted(scene_, settings_, samplers_[number], ray, counters_);
+    const bool whitted = settings_.integrator == Integrator::kWhitted;
+    if (!whitted && !scene_.has_media()) return path_tracer_.begin(ray, number);
+    radiance_[number] = whitted ? trace_whitted(scene_, settings_, samplers_[number], ray, counters_)
+                                : trace_volume_path(scene_, settings_, samplers_[number], ray, counters_);
     deposit_or_report(number);
   }
 

@@ -2,19 +2,56 @@
 #include "core/integrators/vertex.hpp"
 
 #include "core/integrators/shading_normal.hpp"
+#include "core/materials/blend.hpp"
 #include "core/materials/bump_map.hpp"
 #include "core/materials/normal_map.hpp"
+#include "core/sampling/hash.hpp"
 
 namespace tessera::core {
+namespace {
+
+// A number in [0, 1) that depends on every bit of the vectors.
+float hashed_number(Vec3 a, Vec3 b) {
+  std::uint64_t bits = 0;
+  for (const float value : {a.x, a.y, a.z, b.x, b.y, b.z}) bits = hash(bits, as_bits(value));
+  return unit_float(static_cast<std::uint32_t>(bits >> 32));
+}
+
+}  // namespace
+
+const Material& scatterer_of(const Scene& scene, const Hit& hit, const SurfacePoint& surface, Vec3 wo) {
+  const Material& material = scene.material_of(hit);
+  if (!std::holds_alternative<Blend>(material.model)) return material;
+  return scatterer_at(material, scene.materials(), scene.textures(), surface.uv,
+                      hashed_number(surface.position, wo));
+}
+
+Vec3 highlight_tangent(const Scene& scene, const Hit& hit, const SurfacePoint& surface) {
+  return scene.primitives().tangents(hit, surface).along_u;
+}
+
+Tangents image_tangents(const Scene& scene, const Texture& map, const Hit& hit, const SurfacePoint& surface) {
+  if (!map.is_sheared()) {
+    const auto [along_u, along_v] = scene.primitives().tangents(hit, surface);
+    return {along_picture(along_u, map.scale.x), along_picture(along_v, map.scale.y)};
+  }
+  const auto [dp_du, dp_dv] = scene.primitives().uv_derivatives(hit, surface);
+  // The inverse of the map from the surface's coordinates to the image's, but for the size of its
+  // determinant.
+  const double sign = map.scale.x * map.scale.y < map.shear.x * map.shear.y ? -1 : 1;
+  const Vec3d u = sign * Vec3d(dp_du), v = sign * Vec3d(dp_dv);
+  return {unit_or_zero(double{map.scale.y} * u - double{map.shear.y} * v),
+          unit_or_zero(double{map.scale.x} * v - double{map.shear.x} * u)};
+}
 
 Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit,
                     const SurfacePoint& surface) {
   Vec3 normal = surface.shading_normal;
   if (material.normal_map.texture >= 0) {
     const Texture& map = scene.textures()[static_cast<std::size_t>(material.normal_map.texture)];
-    const auto [along_u, along_v] = scene.primitives().tangents(hit, surface);
-    normal = perturb_by_normal_map(map.evaluate(surface.uv), material.normal_map.strength, normal,
-                                   along_picture(along_u, map.scale.x), along_picture(along_v, map.scale.y));
+    const auto [along_u, along_v] = image_tangents(scene, map, hit, surface);
+    normal = perturb_by_normal_map(map.evaluate(surface.uv), material.normal_map.strength, normal, along_u,
+                                   along_v);
   }
   if (material.bump.texture < 0) return normal;
   const Texture& heights = scene.textures()[static_cast<std::size_t>(material.bump.texture)];
@@ -33,8 +70,10 @@ Vec3 viewed_normal(const ViewedSide<float>& side, Vec3 outward, const MaterialMo
 }  // namespace
 
 PathVertex::PathVertex(const Scene& scene, const Ray& ray, const Hit& hit)
-    : PathVertex(scene, scene.material_of(hit), hit, scene.primitives().surface(ray, hit),
-                 normalize(-ray.direction)) {}
+    : PathVertex(scene, hit, scene.primitives().surface(ray, hit), normalize(-ray.direction)) {}
+
+PathVertex::PathVertex(const Scene& scene, const Hit& hit, const SurfacePoint& surface, Vec3 wo)
+    : PathVertex(scene, scatterer_of(scene, hit, surface, wo), hit, surface, wo) {}
 
 PathVertex::PathVertex(const Scene& scene, const Material& material, const Hit& hit,
                        const SurfacePoint& surface, Vec3 wo)
@@ -45,7 +84,9 @@ PathVertex::PathVertex(const Scene& scene, const Material& material, const Hit& 
     : VertexOf(
           surface, wo, side.normal,
           viewed_normal(side, outward_normal(scene, material, hit, surface), material.model, wo),
-          Bsdf(material, scene.textures(), surface.uv, side.outside, scene.primitives().vertex_color(hit))) {}
+          Bsdf(material, scene.textures(), surface.uv, side.outside, scene.primitives().vertex_color(hit))) {
+  if (is_anisotropic(material.model)) bsdf_.orient(frame_.to_local(highlight_tangent(scene, hit, surface)));
+}
 
 std::optional<PathVertex::Scattered> PathVertex::sample(Vec2 u, float u_lobe) const {
   const auto local = bsdf_.sample(wo_local_, u, u_lobe);

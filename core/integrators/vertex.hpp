@@ -120,6 +120,7 @@ class PathVertex : public VertexOf<float, Bsdf> {
   PathVertex(const Scene& scene, const Ray& ray, const Hit& hit);
 
   bool is_delta() const { return bsdf_.is_delta(); }
+  bool has_delta() const { return bsdf_.has_delta(); }
   // The reference point for light sampling.
   LightSampleContext light_context() const {
     return {position(), bsdf_.transmits() ? Vec3{} : frame_.normal};
@@ -135,13 +136,14 @@ class PathVertex : public VertexOf<float, Bsdf> {
   // Returns nothing if the path ends.
   std::optional<Scattered> sample(Vec2 u, float u_lobe) const;
 
-  // All directions of a delta BSDF (reflection and refraction), each weighted by its fraction of the light.
+  // All directions of delta lobes (reflection and transmission), each weighted by its fraction of the light.
   std::array<std::optional<Scattered>, 2> delta_branches() const;
 
   // A shadow ray towards the light sample.
   Ray ray_toward(const LightSample& light) const;
 
  private:
+  PathVertex(const Scene& scene, const Hit& hit, const SurfacePoint& surface, Vec3 wo);
   PathVertex(const Scene& scene, const Material& material, const Hit& hit, const SurfacePoint& surface,
              Vec3 wo);
   PathVertex(const Scene& scene, const Material& material, const Hit& hit, const SurfacePoint& surface,
@@ -149,6 +151,16 @@ class PathVertex : public VertexOf<float, Bsdf> {
 
   Scattered delta_to_world(const BsdfSample& local) const;
 };
+
+// The unit directions on the surface in which u and v of the image `map` grow at a hit; zero if undefined.
+Tangents image_tangents(const Scene& scene, const Texture& map, const Hit& hit, const SurfacePoint& surface);
+
+// The material that scatters light at the hit: of a blend, one of its parts, chosen by a hash of the point
+// and the direction to the viewer.
+const Material& scatterer_of(const Scene& scene, const Hit& hit, const SurfacePoint& surface, Vec3 wo);
+
+// The direction of increasing u at the hit, along which anisotropic highlights lie; in world space.
+Vec3 highlight_tangent(const Scene& scene, const Hit& hit, const SurfacePoint& surface);
 
 // The outward shading normal: interpolated, then perturbed by the material's maps.
 Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit,

@@ -87,10 +87,11 @@ SurfacePointOf<Float8> surfaces(const Primitives& primitives, const Rays& rays, 
   if (spheres != 0)
     all = select(Mask8::from_bits(spheres),
                  primitives.sphere_surfaces(filled(rays, spheres), filled(hits, spheres)), all);
-  if ((triangles | spheres) == kAllLanes) return all;
+  const unsigned others = kAllLanes & ~(triangles | spheres);
+  if (others == 0) return all;
   SurfaceLanes lanes(all);
   for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-    if (hits[lane]->in_instance()) lanes.set(lane, primitives.surface(*rays[lane], *hits[lane]));
+    if ((others >> lane & 1) != 0) lanes.set(lane, primitives.surface(*rays[lane], *hits[lane]));
   return lanes.all();
 }
 
@@ -108,9 +109,9 @@ Vec3Of<Float8> outward_normals(const Scene& scene, const Materials& materials, c
     if (map.texture < 0) continue;
     some_map = maps[lane] = &scene.textures()[static_cast<std::size_t>(map.texture)];
     strength.set(lane, map.strength);
-    const auto [of_u, of_v] = scene.primitives().tangents(*hits[lane], {});
-    along_u.set(lane, along_picture(of_u, some_map->scale.x));
-    along_v.set(lane, along_picture(of_v, some_map->scale.y));
+    const auto [of_u, of_v] = image_tangents(scene, *some_map, *hits[lane], {});
+    along_u.set(lane, of_u);
+    along_v.set(lane, of_v);
   }
   if (!some_map) return surface.shading_normal;
   std::replace(maps.begin(), maps.end(), static_cast<const Texture*>(nullptr), some_map);
@@ -177,6 +178,12 @@ void MixedBsdfs::scale_diffuse(Float8 factor) {
     if (bsdfs_[lane]) bsdfs_[lane]->scale_diffuse(factors[lane]);
 }
 
+void MixedBsdfs::orient(Vec3Of<Float8> tangents_local) {
+  const Vec3Lanes tangents(tangents_local);
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    if (bsdfs_[lane]) bsdfs_[lane]->orient(tangents[lane]);
+}
+
 BsdfValueOf<Float8> MixedBsdfs::evaluate(Vec3Of<Float8> wo_local, Vec3Of<Float8> wi_local,
                                          Float8 diffuse_cos) const {
   const Vec3Lanes wo(wo_local), wi(wi_local);
@@ -230,16 +237,21 @@ DiffuseVertices diffuse_vertices(const Scene& scene, const Rays& rays, const Hit
   const SurfacePointOf<Float8> surface = scene.primitives().triangle_surfaces(hits);
   const ViewedSide<Float8> side(surface, wo);
   std::array<const ColorParameter*, kLaneCount> albedos;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-    albedos[lane] = &std::get_if<Lambert>(&scene.material_of(*hits[lane]).model)->albedo;
+  unsigned one_sided = 0;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const Material& material = scene.material_of(*hits[lane]);
+    albedos[lane] = &std::get_if<Lambert>(&material.model)->albedo;
+    one_sided |= (material.two_sided ? 0u : 1u) << lane;
+  }
   RgbOf<Float8> albedo = evaluate(albedos, scene.textures(), surface.uv);
   if (scene.primitives().has_vertex_colors()) albedo = albedo * scene.primitives().triangle_colors(hits);
+  if (one_sided != 0) albedo = select(side.outside | !Mask8::from_bits(one_sided), albedo, RgbOf<Float8>{});
   return {surface, wo, side.normal, side.shading_normal(surface.shading_normal, wo), {{albedo}}};
 }
 
 bool is_glossy(const Material& material) {
   return std::holds_alternative<CookTorrance>(material.model) && material.bump.texture < 0 &&
-         material.sampling != Sampling::kUniform;
+         material.sampling != Sampling::kUniform && material.two_sided;
 }
 
 GlossyVertices glossy_vertices(const Scene& scene, const Rays& rays, const Hits& hits) {
@@ -264,12 +276,21 @@ MixedVertices mixed_vertices(const Scene& scene, const Rays& rays, const Hits& h
   Vec3Lanes outward(surface.shading_normal);
   const FloatLanes u(surface.uv.x), v(surface.uv.y);
   MixedBsdfs bsdfs;
-  unsigned diffuse = 0;
+  unsigned diffuse = 0, anisotropic = 0;
+  Vec3Lanes tangents{};
   for (std::size_t lane = 0; lane < count; ++lane) {
-    const Material& material = scene.material_of(*hits[lane]);
+    const Material& hit_material = scene.material_of(*hits[lane]);
+    const bool is_blend = std::holds_alternative<Blend>(hit_material.model);
+    const Material& material =
+        is_blend ? scatterer_of(scene, *hits[lane], SurfaceLanes(surface)[lane], Vec3Lanes(wo)[lane])
+                 : hit_material;
     if (material.normal_map.texture >= 0 || material.bump.texture >= 0)
       outward.set(lane, outward_normal(scene, material, *hits[lane], SurfaceLanes(surface)[lane]));
     if (std::holds_alternative<Lambert>(material.model)) diffuse |= 1u << lane;
+    if (is_anisotropic(material.model)) {
+      anisotropic |= 1u << lane;
+      tangents.set(lane, highlight_tangent(scene, *hits[lane], SurfaceLanes(surface)[lane]));
+    }
     bsdfs.set(lane,
               Bsdf(material, scene.textures(), {u[lane], v[lane]}, (side.outside.bits() >> lane & 1) != 0,
                    scene.primitives().vertex_color(*hits[lane])));
@@ -277,7 +298,9 @@ MixedVertices mixed_vertices(const Scene& scene, const Rays& rays, const Hits& h
   const Vec3Of<Float8> seen = side.shading_normal(outward.all(), wo);
   const Vec3Of<Float8> bent =
       select(Mask8::from_bits(diffuse), seen, ensure_valid_reflection(seen, side.normal, wo));
-  return {surface, wo, side.normal, bent, bsdfs};
+  MixedVertices vertices(surface, wo, side.normal, bent, bsdfs);
+  if (anisotropic != 0) vertices.orient(tangents.all());
+  return vertices;
 }
 
 }  // namespace tessera::core

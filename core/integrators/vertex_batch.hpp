@@ -47,6 +47,8 @@ class MixedBsdfs {
   Mask8 is_delta() const { return Mask8::from_bits(delta_); }
   Mask8 transmits() const { return Mask8::from_bits(transmits_); }
   void scale_diffuse(Float8 factor);
+  // Bsdf::orient of each lane, unless the tangent is zero.
+  void orient(Vec3Of<Float8> tangents_local);
   // Zero if wi is zero, which is not a direction.
   BsdfValueOf<Float8> evaluate(Vec3Of<Float8> wo_local, Vec3Of<Float8> wi_local, Float8 diffuse_cos) const;
   BsdfSamples sample(Vec3Of<Float8> wo_local, Vec2Of<Float8> u, Float8 u_lobe) const;
@@ -66,6 +68,9 @@ class VertexBatch : public VertexOf<Float8, Bsdfs> {
   Vec3Of<Float8> light_normal() const {
     return select(this->bsdf_.transmits(), Vec3Of<Float8>{}, this->frame_.normal);
   }
+
+  // Turns anisotropic BSDFs to tangents in world space; zero for others.
+  void orient(Vec3Of<Float8> tangents) { this->bsdf_.orient(this->frame_.to_local(tangents)); }
 
   // Shadow rays towards the light samples.
   RayOf<Float8> rays_toward(const LightSamples& lights) const {

@@ -49,7 +49,8 @@ class TreeTracer {
       if (!hit.found()) return add_environment(branch);
       const PathVertex vertex(scene_, ray, hit);
       add_emission(branch, vertex, scene_.light_of(hit));
-      if (!vertex.is_delta()) return add_direct_light(branch, vertex);
+      if (!vertex.is_delta()) add_direct_light(branch, vertex);
+      if (!vertex.has_delta()) return;
       if (branch.depth >= max_depth_) return;
       auto [greater, lesser] = fork(branch, vertex);
       if (lesser.share() > greater.share()) std::swap(greater, lesser);
@@ -78,6 +79,7 @@ class TreeTracer {
 
   void add_environment(const Branch& branch) {
     if (scene_.environment_light() == kNoLight) return;
+    if (branch.depth == 0 && !scene_.environment().visible_to_camera()) return;
     radiance_ += branch.weight * scene_.environment().radiance(branch.ray.direction);
   }
 

@@ -5,19 +5,23 @@
 #include <cmath>
 
 #include "core/base/overloaded.hpp"
+#include "core/materials/layered_materials.hpp"
 #include "core/materials/limits.hpp"
 #include "core/sampling/warp.hpp"
 
 namespace tessera::core {
 namespace {
 
-// With weaker refraction, floats cannot recover the half vector from the directions.
-constexpr float kMinBending = 1e-3f;
+// Whether the side that the viewer sees is the black back of a one-sided surface.
+bool is_black_back(const Material& material, bool outside) {
+  return !outside && !material.two_sided && !transmits_light(material.model);
+}
 
 }  // namespace
 
 Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>& textures, Vec2 uv,
                             bool outside, Rgb tint) {
+  if (is_black_back(material, outside)) return LambertBsdf{Rgb{}};
   const auto at = [&](const auto& parameter) { return parameter.evaluate(textures, uv); };
   return std::visit(
       Overloaded{
@@ -51,20 +55,38 @@ Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>
                 .schlick_masking = m.masking == Masking::kSchlick,
                 .sample_half_vector = material.sampling == Sampling::kHalfVector};
           },
+          // Resolved before (scatterer_at), or never hit.
+          [&](const Blend&) -> AtPoint { return LobeMixture(); },
+          [&](const Null&) -> AtPoint { return LobeMixture(); },
+          [&](const auto& layered) -> AtPoint {
+            return lobes_of(layered, MaterialPoint{textures, uv, outside, tint});
+          },
       },
       material.model);
 }
 
 Bsdf::Bsdf(const Material& material, const std::vector<Texture>& textures, Vec2 uv, bool outside, Rgb tint)
     : at_point_(look_up(material, textures, uv, outside, tint)),
-      uniform_(material.sampling == Sampling::kUniform && !is_delta()) {}
+      uniform_(material.sampling == Sampling::kUniform && !has_delta()) {}
 
 bool Bsdf::is_delta() const {
-  return std::visit([](const auto& bsdf) { return bsdf.kIsDelta; }, at_point_);
+  return std::visit(Overloaded{[](const LobeMixture& lobes) { return lobes.is_delta(); },
+                               [](const auto& bsdf) { return bsdf.kIsDelta; }},
+                    at_point_);
+}
+
+bool Bsdf::has_delta() const {
+  const auto* lobes = std::get_if<LobeMixture>(&at_point_);
+  return lobes != nullptr ? lobes->has_delta() : is_delta();
 }
 
 bool Bsdf::transmits() const {
+  if (const auto* lobes = std::get_if<LobeMixture>(&at_point_)) return lobes->transmits();
   return std::holds_alternative<RoughDielectricBsdf>(at_point_);
+}
+
+void Bsdf::orient(Vec3 tangent_local) {
+  if (auto* lobes = std::get_if<LobeMixture>(&at_point_)) lobes->orient(tangent_local);
 }
 
 void Bsdf::scale_diffuse(float factor) {
@@ -87,6 +109,7 @@ std::array<std::optional<BsdfSample>, 2> Bsdf::delta_branches(Vec3 wo_local) con
   if (const auto* mirror = std::get_if<MirrorBsdf>(&at_point_))
     return {mirror->sample(wo_local, {}, 0), std::nullopt};
   if (const auto* glass = std::get_if<SmoothDielectricBsdf>(&at_point_)) return glass->branches(wo_local);
+  if (const auto* lobes = std::get_if<LobeMixture>(&at_point_)) return lobes->delta_branches(wo_local);
   return {};
 }
 
@@ -96,12 +119,17 @@ float Bsdf::uniform_pdf(Vec3 wo_local, Vec3 wi_local) const {
   return wi_local.z > 0 ? 1 / (2 * kPi) : 0;
 }
 
+float Bsdf::transmitted_eta() const {
+  if (const auto* lobes = std::get_if<LobeMixture>(&at_point_)) return lobes->transmitted_eta();
+  return std::get_if<RoughDielectricBsdf>(&at_point_)->eta;
+}
+
 std::optional<BsdfSample> Bsdf::sample_uniformly(Vec3 wo_local, Vec2 u) const {
   if (wo_local.z <= 0) return std::nullopt;
   const Vec3 wi = transmits() ? sample_sphere(u) : sample_hemisphere(u);
   BsdfSample sample = weighed_sample(wi, evaluate(wo_local, wi));
   sample.transmitted = wi.z < 0;
-  if (sample.transmitted) sample.eta = std::get_if<RoughDielectricBsdf>(&at_point_)->eta;
+  if (sample.transmitted) sample.eta = transmitted_eta();
   return sample;
 }
 

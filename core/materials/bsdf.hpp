@@ -13,6 +13,7 @@
 #include "core/materials/bsdf_sample.hpp"
 #include "core/materials/cook_torrance.hpp"
 #include "core/materials/lambert.hpp"
+#include "core/materials/lobe_mixture.hpp"
 #include "core/materials/material.hpp"
 #include "core/materials/mirror.hpp"
 #include "core/materials/phong.hpp"
@@ -23,15 +24,20 @@ namespace tessera::core {
 
 class Bsdf {
  public:
-  // `outside`: wo is on the side that the outward geometric normal points to. `tint` multiplies the base
-  // colour (MeshDescription::colors).
+  // Of a blend, pass the part that scatters (blend.hpp). `outside`: wo is on the side that the outward
+  // geometric normal points to. `tint` multiplies the base colour (MeshDescription::colors).
   Bsdf(const Material& material, const std::vector<Texture>& textures, Vec2 uv, bool outside,
        Rgb tint = Rgb::gray(1));
 
-  // Whether it has only delta lobes, for which evaluate() returns zero. Other BSDFs have none.
+  // Whether it has only delta lobes, for which evaluate() returns zero; or any.
   bool is_delta() const;
-  // Whether it also scatters to the other side.
+  bool has_delta() const;
+  // Whether it also scatters to the other side, by lobes that are not delta.
   bool transmits() const;
+
+  // Turns anisotropic surfaces to the direction of increasing u, which need not be perpendicular to the
+  // normal.
+  void orient(Vec3 tangent_local);
 
   // Multiplies diffuse reflection, by more than 1 if the shading normal is tilted (VertexOf).
   void scale_diffuse(float factor);
@@ -42,16 +48,18 @@ class Bsdf {
   BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local) const { return evaluate(wo_local, wi_local, wi_local.z); }
   // Returns nothing if no light is scattered. u_lobe chooses among lobes.
   std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
-  // All directions of a delta BSDF (reflection and refraction), each weighted by its fraction of the light.
+  // All directions of the delta lobes (reflection and transmission), each weighted by its fraction of the
+  // light.
   std::array<std::optional<BsdfSample>, 2> delta_branches(Vec3 wo_local) const;
 
  private:
   using AtPoint = std::variant<LambertBsdf, MirrorBsdf, SmoothDielectricBsdf, RoughDielectricBsdf, PhongBsdf,
-                               CookTorranceBsdf>;
+                               CookTorranceBsdf, LobeMixture>;
 
   static AtPoint look_up(const Material& material, const std::vector<Texture>& textures, Vec2 uv,
                          bool outside, Rgb tint);
   std::optional<BsdfSample> sample_uniformly(Vec3 wo_local, Vec2 u) const;
+  float transmitted_eta() const;
   float uniform_pdf(Vec3 wo_local, Vec3 wi_local) const;
 
   AtPoint at_point_;

@@ -16,14 +16,22 @@ struct HeightSlope {
   float along_u = 0, along_v = 0;
 };
 inline HeightSlope height_slope(const Texture& texture, float height, Vec2 uv) {
-  const auto slope = [&](int texels, float scale, Vec2 one) {
-    const float step = 1 / (static_cast<float>(texels) * std::fabs(scale));
+  const auto slope = [&](float texels, float scale, Vec2 one) {
+    const float step = 1 / (texels * std::fabs(scale));
     if (!std::isfinite(step)) return 0.0f;
     const auto at = [&](float offset) { return texture.evaluate(uv + one * offset).r; };
     return height * (at(0.5f * step) - at(-0.5f * step)) / step;
   };
-  return {slope(texture.image->width(), texture.scale.x, {1, 0}),
-          slope(texture.image->height(), texture.scale.y, {0, 1})};
+  const auto width = static_cast<float>(texture.image->width()),
+             height_px = static_cast<float>(texture.image->height());
+  if (!texture.is_sheared())
+    return {slope(width, texture.scale.x, {1, 0}), slope(height_px, texture.scale.y, {0, 1})};
+  // The texels that are crossed along each of the surface's coordinates.
+  const auto texels_along = [&](float of_u, float of_v) {
+    return std::sqrt(of_u * of_u * width * width + of_v * of_v * height_px * height_px);
+  };
+  return {slope(texels_along(texture.scale.x, texture.shear.y), 1, {1, 0}),
+          slope(texels_along(texture.shear.x, texture.scale.y), 1, {0, 1})};
 }
 
 // The unit `normal` of the surface displaced along it by a height with this slope (Blinn 1978). dp_du and

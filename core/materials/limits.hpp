@@ -7,6 +7,9 @@
 
 namespace tessera::core {
 
+// With indices of refraction that differ less, floats cannot recover the half vector from the directions.
+inline constexpr float kMinBending = 1e-3f;
+
 template <typename T>
 T squared_roughness(T roughness) {
   const T r = select(roughness < 0, T(0.0f), select(roughness > 1, T(1.0f), roughness));

@@ -7,13 +7,18 @@
 // documentation, and its rows in the tests of all BSDFs.
 #pragma once
 
+#include <concepts>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <variant>
+#include <vector>
 
 #include "core/materials/conductor.hpp"
 #include "core/materials/fresnel.hpp"
+#include "core/media/medium_description.hpp"
 #include "core/textures/texture.hpp"
 
 namespace tessera::core {
@@ -70,7 +75,86 @@ struct CookTorrance {
   Masking masking = Masking::kSmith;
 };
 
-using MaterialModel = std::variant<Lambert, Mirror, Glass, Phong, CookTorrance>;
+// The surface of OpenPBR 1.1 (Academy Software Foundation 2024), by its names, meanings and defaults. On both
+// sides, or a dielectric solid as far as it transmits; then the inside is that of Glass. Colours are linear
+// Rec. 709. Emission and opacity are those of the Material.
+struct Principled {
+  ScalarParameter base_weight = 1;
+  ColorParameter base_color{Rgb::gray(0.8f)};
+  ScalarParameter base_diffuse_roughness = 0;
+  ScalarParameter base_metalness = 0;
+  // Subsurface scattering is approximated by diffuse reflection of this colour.
+  ScalarParameter subsurface_weight = 0;
+  ColorParameter subsurface_color{Rgb::gray(0.8f)};
+  ScalarParameter specular_weight = 1;
+  ColorParameter specular_color{Rgb::gray(1)};
+  ScalarParameter specular_roughness = 0.3f;
+  ScalarParameter specular_roughness_anisotropy = 0;  // the highlight is longer across dp/du
+  ScalarParameter specular_ior = 1.5f;
+  ScalarParameter transmission_weight = 0;
+  ColorParameter transmission_color{Rgb::gray(1)};
+  ScalarParameter transmission_depth = 0;  // where the colour is reached, in world units; 0: at the boundary
+  ScalarParameter coat_weight = 0;
+  ColorParameter coat_color{Rgb::gray(1)};
+  ScalarParameter coat_roughness = 0;
+  ScalarParameter coat_ior = 1.6f;
+  ScalarParameter coat_darkening = 1;
+  ScalarParameter fuzz_weight = 0;
+  ColorParameter fuzz_color{Rgb::gray(1)};
+  ScalarParameter fuzz_roughness = 0.5f;
+  ScalarParameter thin_film_weight = 0;
+  ScalarParameter thin_film_thickness = 0.5f;  // micrometres
+  ScalarParameter thin_film_ior = 1.4f;
+  bool geometry_thin_walled = false;  // a sheet without volume: transmitted light is not refracted
+};
+
+// A dielectric boundary over a diffuse base, with reflection between the two inside (Walter et al. 2007;
+// Weidlich and Wilkie 2007).
+struct Plastic {
+  ColorParameter diffuse{Rgb::gray(0.5f)};  // reflectance of the base
+  ColorParameter specular{Rgb::gray(1)};    // tint of the boundary's reflection
+  ScalarParameter ior = 1.5f;
+  ScalarParameter roughness = 0;  // alpha is its square; smooth if that is below kMinAlpha
+  bool nonlinear = false;         // each reflection inside takes the base's colour; else only the first
+};
+
+// A metal of complex index eta + i k in each channel. The defaults reflect everything.
+struct ConductorMaterial {
+  ColorParameter eta{Rgb{}};
+  ColorParameter k{Rgb::gray(1)};
+  ColorParameter specular{Rgb::gray(1)};  // tint
+  ScalarParameter roughness = 0;          // alpha is its square; a mirror if that is below kMinAlpha
+  ScalarParameter anisotropy = 0;         // as Principled's
+};
+
+// Diffuse reflection, and diffuse transmission to the other side.
+struct DiffuseTransmission {
+  ColorParameter reflectance{Rgb::gray(0.25f)};
+  ColorParameter transmittance{Rgb::gray(0.25f)};
+};
+
+// A smooth sheet of a dielectric with parallel sides, as a pane: light leaves it unrefracted, with all
+// reflections between the sides.
+struct ThinDielectric {
+  ScalarParameter ior = 1.5f;
+  ColorParameter reflectance{Rgb::gray(1)};  // tints
+  ColorParameter transmittance{Rgb::gray(1)};
+};
+
+// Two materials, mixed point by point, with their normal and bump maps and opacities. The blend's own maps
+// and the emission of its parts count for nothing.
+struct Blend {
+  // Indices among the scene's materials, below the blend's own.
+  std::uint32_t first = 0, second = 0;
+  ScalarParameter weight = 0.5f;  // of the second, in [0, 1]; texture values are clamped
+};
+inline constexpr int kMaxBlendDepth = 8;  // of blends of blends
+
+// Nothing: light passes straight through. Bounds a medium.
+struct Null {};
+
+using MaterialModel = std::variant<Lambert, Mirror, Glass, Phong, CookTorrance, Principled, Plastic,
+                                   ConductorMaterial, DiffuseTransmission, ThinDielectric, Blend, Null>;
 
 // The sampling strategy for directions.
 enum class Sampling {
@@ -105,17 +189,65 @@ struct Material {
   // The probability that light hits the surface; else it passes straight through. In [0, 1]; texture values
   // are clamped. It multiplies emission.
   ScalarParameter opacity = 1;
+  // Whether the side that the geometric normal points away from scatters light, too; else it is black. All
+  // models that transmit light have two sides.
+  bool two_sided = true;
+  // Where light passes the surface, by transmission or straight through, it enters the medium of that side.
+  MediumInterface media{};
 };
 
-// Whether light passes through the surface only by its model's transmission.
-inline bool is_opaque(const Material& material) {
+// Whether light passes through the surface only by its model's transmission. `all` are the scene's materials,
+// to which blends refer.
+inline bool is_opaque(const Material& material, const std::vector<Material>& all) {
+  if (std::holds_alternative<Null>(material.model)) return false;
+  if (const auto* blend = std::get_if<Blend>(&material.model))
+    if (!is_opaque(all[blend->first], all) || !is_opaque(all[blend->second], all)) return false;
   return material.opacity.texture < 0 && material.opacity.value >= 1;
+}
+
+// Whether the model has an inside that light enters, so that both of its sides scatter light.
+inline bool transmits_light(const MaterialModel& model) {
+  if (const auto* principled = std::get_if<Principled>(&model))
+    return principled->geometry_thin_walled || principled->transmission_weight.texture >= 0 ||
+           principled->transmission_weight.value > 0;
+  return std::holds_alternative<Glass>(model) || std::holds_alternative<DiffuseTransmission>(model) ||
+         std::holds_alternative<ThinDielectric>(model);
+}
+
+// Whether the transmission colour is that of a medium inside, which a Scene adds, rather than a tint at each
+// crossing. Textures vary over the surface only, and tint.
+inline bool absorbs_inside(const Principled& model) {
+  const ScalarParameter& depth = model.transmission_depth;
+  return !model.geometry_thin_walled && transmits_light(model) && depth.texture < 0 && depth.value > 0 &&
+         model.transmission_color.texture < 0;
+}
+
+// Whether light scatters below the surface, which is approximated.
+inline bool has_subsurface(const MaterialModel& model) {
+  const auto* principled = std::get_if<Principled>(&model);
+  return principled != nullptr &&
+         (principled->subsurface_weight.texture >= 0 || principled->subsurface_weight.value > 0);
+}
+
+// Whether highlights are longer in one direction than in the other.
+inline bool is_anisotropic(const MaterialModel& model) {
+  const auto can_differ = [](const ScalarParameter& anisotropy) {
+    return anisotropy.texture >= 0 || anisotropy.value > 0;
+  };
+  if (const auto* principled = std::get_if<Principled>(&model))
+    return can_differ(principled->specular_roughness_anisotropy);
+  const auto* conductor = std::get_if<ConductorMaterial>(&model);
+  return conductor != nullptr && can_differ(conductor->anisotropy);
 }
 
 // Whether f0 is the base colour, as for a metal.
 inline bool f0_is_base_color(const CookTorrance& model) {
   return model.diffuse.texture < 0 && is_black(model.diffuse.value);
 }
+
+// T, or const T.
+template <typename Model, typename T>
+concept ModelOf = std::same_as<std::remove_const_t<Model>, T>;
 
 // Calls visit(key, parameter) for each ColorParameter and ScalarParameter of `model`, with its key in scene
 // files.
@@ -147,6 +279,66 @@ void visit_parameters(const CookTorrance& model, const Visit& visit) {
   visit("f0", model.f0);
   visit("roughness", model.roughness);
 }
+template <ModelOf<Principled> Model, typename Visit>
+void visit_parameters(Model& model, const Visit& visit) {
+  visit("base_weight", model.base_weight);
+  visit("base_color", model.base_color);
+  visit("base_diffuse_roughness", model.base_diffuse_roughness);
+  visit("base_metalness", model.base_metalness);
+  visit("subsurface_weight", model.subsurface_weight);
+  visit("subsurface_color", model.subsurface_color);
+  visit("specular_weight", model.specular_weight);
+  visit("specular_color", model.specular_color);
+  visit("specular_roughness", model.specular_roughness);
+  visit("specular_roughness_anisotropy", model.specular_roughness_anisotropy);
+  visit("specular_ior", model.specular_ior);
+  visit("transmission_weight", model.transmission_weight);
+  visit("transmission_color", model.transmission_color);
+  visit("transmission_depth", model.transmission_depth);
+  visit("coat_weight", model.coat_weight);
+  visit("coat_color", model.coat_color);
+  visit("coat_roughness", model.coat_roughness);
+  visit("coat_ior", model.coat_ior);
+  visit("coat_darkening", model.coat_darkening);
+  visit("fuzz_weight", model.fuzz_weight);
+  visit("fuzz_color", model.fuzz_color);
+  visit("fuzz_roughness", model.fuzz_roughness);
+  visit("thin_film_weight", model.thin_film_weight);
+  visit("thin_film_thickness", model.thin_film_thickness);
+  visit("thin_film_ior", model.thin_film_ior);
+}
+template <ModelOf<Plastic> Model, typename Visit>
+void visit_parameters(Model& model, const Visit& visit) {
+  visit("diffuse", model.diffuse);
+  visit("specular", model.specular);
+  visit("ior", model.ior);
+  visit("roughness", model.roughness);
+}
+template <ModelOf<ConductorMaterial> Model, typename Visit>
+void visit_parameters(Model& model, const Visit& visit) {
+  visit("eta", model.eta);
+  visit("k", model.k);
+  visit("specular", model.specular);
+  visit("roughness", model.roughness);
+  visit("anisotropy", model.anisotropy);
+}
+template <ModelOf<DiffuseTransmission> Model, typename Visit>
+void visit_parameters(Model& model, const Visit& visit) {
+  visit("reflectance", model.reflectance);
+  visit("transmittance", model.transmittance);
+}
+template <ModelOf<ThinDielectric> Model, typename Visit>
+void visit_parameters(Model& model, const Visit& visit) {
+  visit("ior", model.ior);
+  visit("reflectance", model.reflectance);
+  visit("transmittance", model.transmittance);
+}
+template <ModelOf<Blend> Model, typename Visit>
+void visit_parameters(Model& model, const Visit& visit) {
+  visit("weight", model.weight);
+}
+template <ModelOf<Null> Model, typename Visit>
+void visit_parameters(Model&, const Visit&) {}
 template <typename Visit>
 void visit_parameters(const MaterialModel& model, const Visit& visit) {
   std::visit([&](const auto& m) { visit_parameters(m, visit); }, model);

@@ -50,6 +50,47 @@ Glass rough_glass(float ior, float roughness, DielectricFresnel fresnel) {
   return model;
 }
 
+// Every layer at once.
+Principled layered() {
+  Principled model;
+  model.base_color.value = {0.8f, 0.3f, 0.1f};
+  model.base_diffuse_roughness = 0.6f;
+  model.base_metalness = 0.3f;
+  model.specular_roughness = 0.6f;
+  model.transmission_weight = 0.4f;
+  model.coat_weight = 0.7f;
+  model.coat_roughness = 0.5f;
+  model.fuzz_weight = 0.4f;
+  return model;
+}
+
+Principled thin_walled() {
+  Principled model;
+  model.base_color.value = {0.2f, 0.6f, 0.1f};
+  model.specular_roughness = 0.6f;
+  model.transmission_weight = 0.5f;
+  model.subsurface_weight = 0.5f;
+  model.geometry_thin_walled = true;
+  return model;
+}
+
+Plastic rough_plastic() {
+  Plastic model;
+  model.diffuse.value = {0.1f, 0.5f, 0.8f};
+  model.roughness = 0.5f;
+  model.nonlinear = true;
+  return model;
+}
+
+ConductorMaterial brushed_metal() {
+  ConductorMaterial model;
+  model.eta.value = {0.2f, 0.9f, 1.1f};
+  model.k.value = {3.9f, 2.4f, 2.1f};
+  model.roughness = 0.6f;
+  model.anisotropy = 0.5f;
+  return model;
+}
+
 }  // namespace
 
 std::vector<BsdfCase> bsdf_cases() {
@@ -77,6 +118,12 @@ std::vector<BsdfCase> bsdf_cases() {
       cases.push_back({name + "_half_vector", material_of(model, Sampling::kHalfVector)});
     if (std::holds_alternative<Glass>(model)) cases.push_back({name + "_inside", material_of(model), false});
   }
+  cases.push_back({"layered", material_of(layered())});
+  cases.push_back({"layered_inside", material_of(layered()), false});
+  cases.push_back({"thin_walled", material_of(thin_walled())});
+  cases.push_back({"rough_plastic", material_of(rough_plastic())});
+  cases.push_back({"brushed_metal", material_of(brushed_metal())});
+  cases.push_back({"leaf", material_of(DiffuseTransmission{{{0.1f, 0.4f, 0.1f}}, {{0.2f, 0.5f, 0.1f}}})});
   return cases;
 }
 

@@ -64,6 +64,37 @@ constexpr Measured kAluminium[] = {
     {516.6, 0.8734, 6.2418},   {563.57, 1.0728, 6.7839},  {619.93, 1.366, 7.4052}, {652.25, 1.5724, 7.7354},
     {688.81, 1.8301, 8.0601},  {729.32, 2.1606, 8.3565},  {774.91, 2.6154, 8.4914}};
 
+// Querry 1985, 70 % copper.
+constexpr Measured kBrass[] = {
+    {380, 1.487, 1.818}, {400, 1.445, 1.805}, {420, 1.35, 1.786},  {440, 1.191, 1.797}, {460, 0.994, 1.883},
+    {480, 0.816, 2.046}, {500, 0.686, 2.25},  {520, 0.602, 2.464}, {540, 0.549, 2.668}, {560, 0.505, 2.86},
+    {580, 0.468, 3.059}, {600, 0.45, 3.253},  {620, 0.449, 3.434}, {640, 0.444, 3.609}, {660, 0.445, 3.778},
+    {680, 0.444, 3.943}, {700, 0.446, 4.106}};
+// Johnson and Christy 1974.
+constexpr Measured kChromium[] = {{381, 1.92, 2.74}, {397, 2, 2.83},    {413, 2.08, 2.93}, {431, 2.19, 3.04},
+                                  {451, 2.33, 3.14}, {471, 2.51, 3.24}, {496, 2.75, 3.3},  {521, 2.94, 3.33},
+                                  {549, 3.18, 3.33}, {582, 3.22, 3.3},  {617, 3.17, 3.3},  {659, 3.09, 3.34},
+                                  {704, 3.05, 3.39}};
+// Johnson and Christy 1974.
+constexpr Measured kNickel[] = {{381, 1.72, 2.48}, {397, 1.72, 2.57}, {413, 1.7, 2.69},  {431, 1.71, 2.82},
+                                {451, 1.73, 2.95}, {471, 1.78, 3.09}, {496, 1.82, 3.25}, {521, 1.85, 3.42},
+                                {549, 1.92, 3.61}, {582, 1.96, 3.8},  {617, 1.99, 4.02}, {659, 1.99, 4.26},
+                                {704, 2.06, 4.5}};
+// Weaver, Olson and Lynch 1975, figures.
+constexpr Measured kTungsten[] = {{379, 3.459, 2.556},   {400.2, 3.406, 2.415}, {425.3, 3.346, 2.439},
+                                  {448.7, 3.314, 2.511}, {469.4, 3.332, 2.591}, {493.7, 3.384, 2.668},
+                                  {511.1, 3.433, 2.7},   {529.8, 3.49, 2.716},  {548.9, 3.522, 2.739},
+                                  {573.9, 3.526, 2.794}, {599.7, 3.557, 2.86},  {626, 3.607, 2.906},
+                                  {657.2, 3.697, 2.943}, {680.8, 3.797, 2.914}, {700.8, 3.871, 2.879}};
+// Inagaki, Arakawa and Williams 1981.
+constexpr Measured kMercury[] = {{364.66, 0.713, 3.074}, {387.45, 0.7982, 3.294}, {413.28, 0.898, 3.538},
+                                 {442.8, 1.027, 3.802},  {476.86, 1.186, 4.09},   {516.6, 1.383, 4.406},
+                                 {563.56, 1.621, 4.75},  {619.92, 1.91, 5.15},    {688.8, 2.284, 5.582},
+                                 {774.9, 2.746, 6.054}};
+// Pflüger et al. 1984.
+constexpr Measured kTitaniumNitride[] = {
+    {354.2, 2.14, 1.06}, {413.3, 1.74, 1.04}, {495.9, 1.2, 1.65}, {619.9, 1.32, 2.69}, {826.6, 1.82, 3.81}};
+
 Measured interpolated(std::span<const Measured> table, double nm) {
   const auto next =
       std::find_if(table.begin() + 1, table.end() - 1, [nm](const Measured& m) { return m.nm > nm; });
@@ -118,11 +149,15 @@ TEST_P(Conductors, ReflectWhatTheSpectrumAddsUpTo) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Metals, Conductors,
-                         testing::Values(Metal{"copper", Conductor::kCopper, kCopper},
-                                         Metal{"gold", Conductor::kGold, kGold},
-                                         Metal{"silver", Conductor::kSilver, kSilver},
-                                         Metal{"aluminium", Conductor::kAluminium, kAluminium}));
+INSTANTIATE_TEST_SUITE_P(
+    Metals, Conductors,
+    testing::Values(
+        Metal{"copper", Conductor::kCopper, kCopper}, Metal{"gold", Conductor::kGold, kGold},
+        Metal{"silver", Conductor::kSilver, kSilver}, Metal{"aluminium", Conductor::kAluminium, kAluminium},
+        Metal{"brass", Conductor::kBrass, kBrass}, Metal{"chromium", Conductor::kChromium, kChromium},
+        Metal{"nickel", Conductor::kNickel, kNickel}, Metal{"tungsten", Conductor::kTungsten, kTungsten},
+        Metal{"mercury", Conductor::kMercury, kMercury},
+        Metal{"titanium_nitride", Conductor::kTitaniumNitride, kTitaniumNitride}));
 
 }  // namespace
 }  // namespace tessera::core

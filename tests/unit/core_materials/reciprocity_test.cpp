@@ -15,6 +15,14 @@ Vec3 above(int i) {
   return {rho * std::cos(phi), rho * std::sin(phi), z};
 }
 
+// Layers attenuate each other for the viewer's direction alone, and are not reciprocal.
+std::vector<test::BsdfCase> reciprocal_cases() {
+  std::vector<test::BsdfCase> cases;
+  for (const auto& one : test::bsdf_cases())
+    if (!std::holds_alternative<Principled>(one.material.model)) cases.push_back(one);
+  return cases;
+}
+
 class Reciprocity : public testing::TestWithParam<test::BsdfCase> {};
 
 TEST_P(Reciprocity, OfReflection) {
@@ -56,7 +64,7 @@ std::vector<test::BsdfCase> glass_cases() {
 
 INSTANTIATE_TEST_SUITE_P(All, TransmissionReciprocity, testing::ValuesIn(glass_cases()),
                          [](const auto& test_case) { return test_case.param.name; });
-INSTANTIATE_TEST_SUITE_P(All, Reciprocity, testing::ValuesIn(test::bsdf_cases()),
+INSTANTIATE_TEST_SUITE_P(All, Reciprocity, testing::ValuesIn(reciprocal_cases()),
                          [](const auto& test_case) { return test_case.param.name; });
 
 }  // namespace
