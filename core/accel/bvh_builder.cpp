@@ -134,6 +134,8 @@ class WideBuilder {
         packet.instance_lanes |= 1u << lane;
       } else if (primitives_.is_sphere(primitive)) {
         packet.sphere_lanes |= 1u << lane;
+      } else if (!primitives_.is_triangle(primitive)) {
+        packet.quadric_lanes |= 1u << lane;
       } else {
         packet.triangle_lanes |= 1u << lane;
         set_corners(packet, lane, primitives_.triangle_corners(primitive));

@@ -61,7 +61,8 @@ struct alignas(64) BvhPacket {
   std::uint32_t triangle_lanes = 0;  // bit i for lane i
   std::uint32_t sphere_lanes = 0;
   std::uint32_t instance_lanes = 0;
-  std::uint32_t unused[5] = {};  // pads to the cache line, so that equal packets have equal bytes
+  std::uint32_t quadric_lanes = 0;  // disks and cylinders
+  std::uint32_t unused[4] = {};     // pads to the cache line, so that equal packets have equal bytes
 
   bool operator==(const BvhPacket&) const = default;
 };

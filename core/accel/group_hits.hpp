@@ -63,6 +63,14 @@ class GroupHits {
     }
   }
 
+  // Tests the rays of `set` against a packet's disks and cylinders, ray by ray.
+  void test_quadrics(const BvhPacket& packet, RaySet set) {
+    for (unsigned quadrics = packet.quadric_lanes; quadrics != 0; quadrics &= quadrics - 1) {
+      const std::uint32_t primitive = packet.primitives[std::countr_zero(quadrics)];
+      for_each_ray(set, [&](std::size_t i) { test_quadric(primitive, i); });
+    }
+  }
+
   // Tests the rays of `set` against all triangles of packet `index`, ray by ray.
   void test_each(std::uint32_t index, RaySet set) {
     for_each_ray(set, [&](std::size_t i) { test_later(i, index); });
@@ -208,6 +216,18 @@ class GroupHits {
                    improve_hit(i, {distances[i % kLanes], primitive, 0, 0});
                    update(i);
                  });
+  }
+
+  void test_quadric(std::uint32_t primitive, std::size_t i) {
+    Hit hit;
+    if (!scene_.primitives.intersect(primitive, columns_.ray(i), hit)) return;
+    if (kQuery == Query::kAny) {
+      alive_ &= ~(RaySet{1} << i);
+    } else if (hit.t <= t_high_[i]) {
+      settle_candidate(i);
+      improve_hit(i, hit);
+      update(i);
+    }
   }
 
   // Branches only for triangles that no ray hits and for uncertain results: how many rays hit a triangle is

@@ -130,6 +130,7 @@ class GroupTraversal {
     if constexpr (std::is_same_v<AnyRay, Ray>)
       if (packet.instance_lanes != 0) enter_instances(packet, set);
     if (packet.sphere_lanes != 0) hits_.test_spheres(packet, set);
+    if (packet.quadric_lanes != 0) hits_.test_quadrics(packet, set);
   }
 
   void enter_instances(const BvhPacket& packet, RaySet set) {

@@ -259,13 +259,15 @@ class RayTraversal {
       if (!hit_.improve(ray_, {t, packet.primitives[lane], hits.b1(lane), hits.b2(lane)})) continue;
       update_limit();
     }
-    if (packet.sphere_lanes != 0) visit_spheres(packet);
+    if (const unsigned lanes = packet.sphere_lanes | packet.quadric_lanes; lanes != 0)
+      visit_quadrics(packet, lanes);
     if constexpr (std::is_same_v<AnyRay, Ray>)
       if (packet.instance_lanes != 0) visit_instances<kQuery>(packet);
   }
 
-  void visit_spheres(const BvhPacket& packet) {
-    for (unsigned lanes = packet.sphere_lanes; lanes != 0; lanes &= lanes - 1) {
+  // Tests spheres, disks and cylinders.
+  void visit_quadrics(const BvhPacket& packet, unsigned lanes) {
+    for (; lanes != 0; lanes &= lanes - 1) {
       primitives_.intersect(packet.primitives[std::countr_zero(lanes)], ray_, hit_);
     }
     update_limit();

@@ -4,29 +4,55 @@
 #include "core/math/elementary.hpp"
 
 namespace tessera::core {
+namespace {
+
+float tan_half(float degrees) {
+  const float half_angle = degrees * (kPi / 360);
+  return sin(half_angle) / cos(half_angle);
+}
+
+}  // namespace
 
 Camera::Camera(const CameraDescription& description)
-    : position_(description.position),
+    : type_(description.type),
+      position_(description.position),
       forward_(normalize(description.look_at - description.position)),
+      height_(type_ == CameraType::kOrthographic ? description.view_height
+                                                 : 2 * tan_half(description.vertical_fov_degrees)),
+      shift_(description.lens_shift),
       aperture_(description.aperture_radius, description.aperture_blades,
                 description.aperture_rotation_degrees),
       focus_distance_(description.focus_distance > 0 ? description.focus_distance
                                                      : length(description.look_at - description.position)) {
   right_ = normalize(cross(forward_, description.up));
   up_ = cross(right_, forward_);
-  const float half_angle = description.vertical_fov_degrees * (kPi / 360);
-  tan_half_fov_ = sin(half_angle) / cos(half_angle);
+  if (description.mirrored) right_ = -right_;
 }
 
 Ray Camera::ray(Vec2 raster, int width_px, int height_px, Vec2 u_lens) const {
-  const float pixel = 2 * tan_half_fov_ / static_cast<float>(height_px);
-  const float x = (raster.x - static_cast<float>(width_px) / 2) * pixel;
-  const float y = (static_cast<float>(height_px) / 2 - raster.y) * pixel;
-  const Vec3 through_center = forward_ + right_ * x + up_ * y;
-  if (aperture_.is_pinhole()) return Ray{position_, normalize(through_center)};
+  const auto width = static_cast<float>(width_px), height = static_cast<float>(height_px);
+  if (type_ == CameraType::kPanoramic) return panoramic_ray({raster.x / width, raster.y / height});
+  const float pixel = height_ / height;
+  const float x = (raster.x - (width / 2 - shift_.x * width)) * pixel;
+  const float y = (height / 2 + shift_.y * height - raster.y) * pixel;
+  if (type_ == CameraType::kOrthographic)
+    return through_lens(position_ + right_ * x + up_ * y, forward_, u_lens);
+  return through_lens(position_, forward_ + right_ * x + up_ * y, u_lens);
+}
+
+Ray Camera::through_lens(Vec3 position, Vec3 direction, Vec2 u_lens) const {
+  if (aperture_.is_pinhole()) return Ray{position, normalize(direction)};
   const Vec2 lens = aperture_.sample(u_lens);
   const Vec3 offset = right_ * lens.x + up_ * lens.y;
-  return Ray{position_ + offset, normalize(through_center - offset / focus_distance_)};
+  return Ray{position + offset, normalize(direction - offset / focus_distance_)};
+}
+
+// `image` is in units of its width and height, from the top left.
+Ray Camera::panoramic_ray(Vec2 image) const {
+  const auto [sin_longitude, cos_longitude] = sin_cos_turns(image.x - 0.5f);
+  const auto [sin_latitude, cos_latitude] = sin_cos_turns(0.25f - image.y / 2);
+  const Vec3 level = forward_ * cos_longitude + right_ * sin_longitude;
+  return Ray{position_, normalize(level * cos_latitude + up_ * sin_latitude)};
 }
 
 }  // namespace tessera::core

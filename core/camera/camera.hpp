@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A thin-lens camera; a pinhole if the aperture radius is 0.
+// The camera of a scene: which rays sample a pixel. Immutable.
 #pragma once
 
 #include "core/camera/aperture.hpp"
@@ -19,9 +19,16 @@ class Camera {
   Ray ray(Vec2 raster, int width_px, int height_px, Vec2 u_lens) const;
 
  private:
+  Ray panoramic_ray(Vec2 image) const;
+  // A ray from a point of the lens that meets `position` + t `direction` at the focus distance; `direction`
+  // is 1 long along the line of sight.
+  Ray through_lens(Vec3 position, Vec3 direction, Vec2 u_lens) const;
+
+  CameraType type_ = CameraType::kPerspective;
   Vec3 position_;
   Vec3 right_, up_, forward_;
-  float tan_half_fov_ = 1;
+  float height_ = 2;  // of the image: at the distance 1 if perspective, in the world if orthographic
+  Vec2 shift_;
   Aperture aperture_;
   float focus_distance_ = 1;
 };

@@ -7,8 +7,15 @@
 namespace tessera::core {
 
 inline constexpr int kMinApertureBlades = 3, kMaxApertureBlades = 64;
+inline constexpr float kMaxLensShift = 1000;
 
-// A thin-lens camera; a pinhole where aperture_radius is 0. World units.
+enum class CameraType {
+  kPerspective,   // a thin lens; a pinhole where aperture_radius is 0
+  kOrthographic,  // parallel rays; blurred away from the focus distance where aperture_radius is not 0
+  kPanoramic,     // all directions, equirectangular: look_at is in the centre, longitude grows to the right
+};
+
+// World units.
 struct CameraDescription {
   Vec3 position{0, 0, 0};
   Vec3 look_at{0, 0, -1};
@@ -20,6 +27,12 @@ struct CameraDescription {
   // counter-clockwise in the image.
   int aperture_blades = 0;
   float aperture_rotation_degrees = 0;
+  CameraType type = CameraType::kPerspective;
+  float view_height = 0;  // orthographic: the height of the image in the world
+  // The offset of the image from the line of sight to the right and upwards, in widths and heights of the
+  // image: at (0.5, 0), look_at is on the left edge. Not for panoramic cameras.
+  Vec2 lens_shift{0, 0};
+  bool mirrored = false;  // the image is exchanged left to right, as in a mirror
 };
 
 }  // namespace tessera::core

@@ -14,6 +14,9 @@ class Placement {
   // The map must be invertible and scale no length by more than 1e15 either way: see can_place().
   explicit Placement(const Transform& to_world);
   static bool can_place(const Transform& to_world);
+  Transform transform() const {
+    return {x_axis_.rounded(), y_axis_.rounded(), z_axis_.rounded(), origin_.rounded()};
+  }
 
   // Object space to world space.
   Vec3d point(Vec3d p) const { return vector(p) + origin_; }
@@ -33,6 +36,12 @@ class Placement {
   Vec3dOf<D> object_vector(Vec3dOf<D> v) const {
     const auto along = [&v](const Vec3d& row) { return dot(Vec3dOf<D>(row.x, row.y, row.z), v); };
     return {along(inverse_x_), along(inverse_y_), along(inverse_z_)};
+  }
+  // The sums of the magnitudes of the summands of object_point(p), to which its rounding error is
+  // proportional.
+  Vec3d object_terms(Vec3d p) const {
+    const Vec3d v = abs(p - origin_);
+    return {dot(abs(inverse_x_), v), dot(abs(inverse_y_), v), dot(abs(inverse_z_), v)};
   }
   Vec3d object_normal(Vec3d n) const { return {dot(x_axis_, n), dot(y_axis_, n), dot(z_axis_, n)}; }
 

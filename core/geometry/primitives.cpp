@@ -90,7 +90,17 @@ void Primitives::add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& 
 
 void Primitives::add_sphere(Vec3 center, float radius, std::uint32_t material) {
   spheres_.push_back({center, radius});
-  sphere_materials_.push_back(material);
+  analytic_materials_.push_back(material);
+}
+
+void Primitives::add_disk(const Disk& disk, std::uint32_t material) {
+  disks_.push_back(disk);
+  analytic_materials_.push_back(material);
+}
+
+void Primitives::add_cylinder(const Cylinder& cylinder, std::uint32_t material) {
+  cylinders_.push_back(cylinder);
+  analytic_materials_.push_back(material);
 }
 
 std::uint32_t Primitives::add_object(Primitives object) {
@@ -151,11 +161,24 @@ double Primitives::bounding_radius() const {
 Aabb Primitives::bounds(std::uint32_t primitive) const {
   if (is_instance(primitive)) return instance_bounds_[instance_number(primitive)];
   if (is_sphere(primitive)) return can_be_hit(sphere(primitive)) ? sphere_bounds(sphere(primitive)) : Aabb{};
+  if (is_disk(primitive)) return disk(primitive).can_be_hit() ? disk(primitive).bounds() : Aabb{};
+  if (is_cylinder(primitive)) return cylinder(primitive).bounds();
   Aabb box;
   const TriangleCorners corners = triangle_corners(primitive);
   if (!can_be_hit(corners)) return box;
   for (const Vec3& corner : corners) box.include(corner);
   return box;
+}
+
+double Primitives::area(std::uint32_t primitive) const {
+  if (is_sphere(primitive)) {
+    const auto radius = static_cast<double>(sphere(primitive).radius);
+    return 4 * static_cast<double>(kPi) * radius * radius;
+  }
+  if (is_disk(primitive)) return disk(primitive).area();
+  if (is_cylinder(primitive)) return cylinder(primitive).area();
+  const auto [p0, p1, p2] = triangle_corners(primitive);
+  return static_cast<double>(length(cross(Vec3d(p1) - Vec3d(p0), Vec3d(p2) - Vec3d(p0)))) / 2;
 }
 
 std::uint32_t Primitives::material(const Hit& hit) const {
@@ -179,6 +202,14 @@ bool Primitives::intersect_shape(std::uint32_t primitive, const AnyRay& ray, Hit
     const auto t = intersect_sphere(ray, sphere(primitive));
     return t && hit.improve(ray, {static_cast<float>(*t), primitive, 0, 0});
   }
+  if (is_disk(primitive)) {
+    const auto found = disk(primitive).intersect(ObjectRay(ray));
+    return found && hit.improve(ray, {static_cast<float>(found->t), primitive, 0, 0});
+  }
+  if (is_cylinder(primitive)) {
+    const auto found = cylinder(primitive).intersect(ObjectRay(ray));
+    return found && hit.improve(ray, {static_cast<float>(found->t), primitive, 0, 0});
+  }
   const TriangleCorners corners = triangle_corners(primitive);
   const auto found = intersect_triangle(ShearedRay(ray), corners);
   return found && can_be_hit(corners) && hit.improve(ray, {found->t, primitive, found->b1, found->b2});
@@ -196,16 +227,22 @@ bool Primitives::intersect_instance(std::uint32_t number, const Ray& ray, Hit& h
 
 SurfacePoint Primitives::surface(const Ray& ray, const Hit& hit) const {
   if (hit.in_instance()) return instance_surface(ray, hit);
-  return in_world(IdentityTransform(),
-                  is_sphere(hit.primitive) ? sphere_point(ray, hit) : triangle_point(hit));
+  return in_world(IdentityTransform(), shape_point(ray, hit));
 }
 
 SurfacePoint Primitives::instance_surface(const Ray& ray, const Hit& hit) const {
   const Instance& shown = instances_[hit.instance];
   const Primitives& object = object_of(shown);
-  return in_world(shown.placement, object.is_sphere(hit.primitive)
-                                       ? object.sphere_point(shown.placement.to_object(ray), hit)
-                                       : object.triangle_point(hit));
+  if (object.is_triangle(hit.primitive)) return in_world(shown.placement, object.triangle_point(hit));
+  return in_world(shown.placement, object.shape_point(shown.placement.to_object(ray), hit));
+}
+
+template <typename AnyRay>
+Primitives::ObjectPoint Primitives::shape_point(const AnyRay& ray, const Hit& hit) const {
+  if (is_triangle(hit.primitive)) return triangle_point(hit);
+  if (is_sphere(hit.primitive)) return sphere_point(ray, hit);
+  return is_disk(hit.primitive) ? disk(hit.primitive).point(ObjectRay(ray))
+                                : cylinder(hit.primitive).point(ObjectRay(ray));
 }
 
 Primitives::ObjectPoint Primitives::triangle_point(const Hit& hit) const {
@@ -265,8 +302,8 @@ SurfacePointOf<Float8> Primitives::sphere_surfaces(const std::array<const Ray*, 
 Tangents Primitives::tangents(const Hit& hit, const SurfacePoint& point) const {
   if (hit.in_instance()) return instance_tangents(hit, point);
   if (is_sphere(hit.primitive)) return sphere_tangents(point.geometric_normal);
-  const ModelTangents of_triangle = triangle_tangents(triangles_[hit.primitive]);
-  return {unit_or_zero(of_triangle.along_u), unit_or_zero(of_triangle.along_v)};
+  const ModelTangents tangents = model_tangents(hit.primitive, point.geometric_normal, point.uv);
+  return {unit_or_zero(tangents.along_u), unit_or_zero(tangents.along_v)};
 }
 
 Tangents Primitives::instance_tangents(const Hit& hit, const SurfacePoint& point) const {
@@ -278,7 +315,7 @@ Tangents Primitives::instance_tangents(const Hit& hit, const SurfacePoint& point
     const auto [east, north] = sphere_tangents(unit_or_zero(normal));
     tangents = {Vec3d(east), Vec3d(north)};
   } else {
-    tangents = object.triangle_tangents(object.triangles_[hit.primitive]);
+    tangents = object.model_tangents(hit.primitive, {}, point.uv);
   }
   return {unit_or_zero(shown.placement.vector(tangents.along_u)),
           unit_or_zero(shown.placement.vector(tangents.along_v))};
@@ -307,15 +344,21 @@ UvDerivatives Primitives::uv_derivatives(const Hit& hit, const SurfacePoint& poi
     return {to_world(factor * tangents.along_u).rounded(), to_world(factor * tangents.along_v).rounded()};
   };
   if (!hit.in_instance())
-    return derivatives(model_tangents(hit.primitive, point.geometric_normal), [](Vec3d v) { return v; });
+    return derivatives(model_tangents(hit.primitive, point.geometric_normal, point.uv),
+                       [](Vec3d v) { return v; });
   const Placement& place = instances_[hit.instance].placement;
   const Vec3 normal = unit_or_zero(place.object_normal(Vec3d(point.geometric_normal)));
-  return derivatives(object_of(instances_[hit.instance]).model_tangents(hit.primitive, normal),
+  return derivatives(object_of(instances_[hit.instance]).model_tangents(hit.primitive, normal, point.uv),
                      [&](Vec3d v) { return place.vector(v); });
 }
 
-Primitives::ModelTangents Primitives::model_tangents(std::uint32_t primitive, Vec3 normal) const {
-  if (!is_sphere(primitive)) return triangle_tangents(triangles_[primitive]);
+Primitives::ModelTangents Primitives::model_tangents(std::uint32_t primitive, Vec3 normal, Vec2 uv) const {
+  if (is_triangle(primitive)) return triangle_tangents(triangles_[primitive]);
+  if (!is_sphere(primitive)) {
+    const auto [along_u, along_v] =
+        is_disk(primitive) ? disk(primitive).derivatives(uv) : cylinder(primitive).derivatives(uv);
+    return {along_u, along_v, 1};
+  }
   const auto [east, north] = sphere_tangents(normal);
   const double half_turn = static_cast<double>(kPi) * static_cast<double>(sphere(primitive).radius);
   const double equatorial = length(Vec3d(normal.x, 0, normal.z));
@@ -324,7 +367,7 @@ Primitives::ModelTangents Primitives::model_tangents(std::uint32_t primitive, Ve
 
 Rgb Primitives::color_at(const Hit& hit) const {
   const Primitives& owner = hit.in_instance() ? object_of(instances_[hit.instance]) : *this;
-  if (owner.colors_.empty() || owner.is_sphere(hit.primitive)) return Rgb::gray(1);
+  if (owner.colors_.empty() || !owner.is_triangle(hit.primitive)) return Rgb::gray(1);
   const auto& [v0, v1, v2] = owner.triangles_[hit.primitive];
   const float b0 = std::max(0.0f, 1 - hit.b1 - hit.b2);
   return owner.colors_[v0] * b0 + owner.colors_[v1] * hit.b1 + owner.colors_[v2] * hit.b2;

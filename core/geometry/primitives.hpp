@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // All shapes of a scene as flat arrays, and the instanced objects, which are such arrays themselves. Ids
-// number triangles first, then spheres, then instances. Hits carry the ids of triangles and spheres; inside
-// an instance, the ids are the object's own, and the hit also carries the instance's index. Immutable while
-// rendering.
+// number triangles first, then spheres, disks, cylinders, and at last instances. Hits carry the ids of
+// shapes; inside an instance, the ids are the object's own, and the hit also carries the instance's index.
+// Immutable while rendering.
 #pragma once
 
 #include <array>
@@ -12,6 +12,8 @@
 
 #include "core/base/prefetch.hpp"
 #include "core/geometry/aabb.hpp"
+#include "core/geometry/cylinder.hpp"
+#include "core/geometry/disk.hpp"
 #include "core/geometry/instance.hpp"
 #include "core/geometry/object_point.hpp"
 #include "core/geometry/object_ray.hpp"
@@ -38,11 +40,14 @@ class Primitives {
   void reserve(std::size_t vertices, std::size_t triangles);
   // Appends a mesh's vertices and triangles (same conventions as MeshDescription: normals and uvs are empty
   // or as many as positions; indices count from the mesh's own first vertex). All triangles must be added
-  // before all spheres. The arrays of the first mesh are moved if they are passed as rvalues.
+  // before all spheres, these before all disks, and these before all cylinders. The arrays of the first mesh
+  // are moved if they are passed as rvalues.
   void add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& normals, const std::vector<Vec2>& uvs,
                 std::vector<Triangle> triangles, const std::vector<std::uint32_t>& triangle_materials,
                 const std::vector<Rgb>& colors = {});
   void add_sphere(Vec3 center, float radius, std::uint32_t material);
+  void add_disk(const Disk& disk, std::uint32_t material);
+  void add_cylinder(const Cylinder& cylinder, std::uint32_t material);
 
   // Adds an object, which must not contain instances, and returns the index that instances refer to.
   std::uint32_t add_object(Primitives object);
@@ -54,26 +59,30 @@ class Primitives {
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }
   std::uint32_t sphere_count() const { return static_cast<std::uint32_t>(spheres_.size()); }
   std::uint32_t instance_count() const { return static_cast<std::uint32_t>(instances_.size()); }
-  std::uint32_t count() const { return triangle_count() + sphere_count() + instance_count(); }
-  // Not for instances.
-  bool is_sphere(std::uint32_t primitive) const { return primitive >= triangle_count(); }
+  // All primitives but instances.
+  std::uint32_t shape_count() const {
+    return triangle_count() + static_cast<std::uint32_t>(analytic_materials_.size());
+  }
+  std::uint32_t count() const { return shape_count() + instance_count(); }
+  bool is_triangle(std::uint32_t primitive) const { return primitive < triangle_count(); }
+  bool is_sphere(std::uint32_t primitive) const { return primitive - triangle_count() < sphere_count(); }
+  bool is_disk(std::uint32_t primitive) const { return primitive - first_disk() < disks_.size(); }
+  bool is_cylinder(std::uint32_t primitive) const { return primitive - first_cylinder() < cylinders_.size(); }
   // Whether the hit is a triangle outside all instances.
-  bool is_plain_triangle(const Hit& hit) const { return !hit.in_instance() && !is_sphere(hit.primitive); }
+  bool is_plain_triangle(const Hit& hit) const { return !hit.in_instance() && is_triangle(hit.primitive); }
   // Whether the hit is a sphere outside all instances.
   bool is_plain_sphere(const Hit& hit) const { return !hit.in_instance() && is_sphere(hit.primitive); }
-  bool is_instance(std::uint32_t primitive) const { return primitive >= triangle_count() + sphere_count(); }
+  bool is_instance(std::uint32_t primitive) const { return primitive >= shape_count(); }
 
   const std::vector<Primitives>& objects() const { return objects_; }
   const Instance& instance(std::uint32_t number) const { return instances_[number]; }
   // The index of an instance from its primitive id.
-  std::uint32_t instance_number(std::uint32_t primitive) const {
-    return primitive - triangle_count() - sphere_count();
-  }
+  std::uint32_t instance_number(std::uint32_t primitive) const { return primitive - shape_count(); }
   const Primitives& object_of(const Instance& instance) const { return objects_[instance.object]; }
 
   std::uint32_t material(std::uint32_t primitive) const {
-    return is_sphere(primitive) ? sphere_materials_[primitive - triangle_count()]
-                                : triangle_materials_[primitive];
+    return is_triangle(primitive) ? triangle_materials_[primitive]
+                                  : analytic_materials_[primitive - triangle_count()];
   }
   std::uint32_t material(const Hit& hit) const;
   // Prefetches what material() and prefetch_corners() read for a triangle outside all instances.
@@ -99,12 +108,17 @@ class Primitives {
     return {uvs_[v0], uvs_[v1], uvs_[v2]};
   }
   const Sphere& sphere(std::uint32_t primitive) const { return spheres_[primitive - triangle_count()]; }
+  const Disk& disk(std::uint32_t primitive) const { return disks_[primitive - first_disk()]; }
+  const Cylinder& cylinder(std::uint32_t primitive) const { return cylinders_[primitive - first_cylinder()]; }
 
   // The radius of a sphere that encloses every point that a ray can hit; 0 if there is none.
   double bounding_radius() const;
 
   // Bounds of every point that a ray can hit; empty if there is none, as for triangles without area.
   Aabb bounds(std::uint32_t primitive) const;
+
+  // The area of a shape, which is no instance.
+  double area(std::uint32_t primitive) const;
 
   // Replaces `hit` by this primitive's intersection if that is nearer (or equally near with a lower id) and
   // t < ray.t_max. Returns whether it did.
@@ -144,13 +158,18 @@ class Primitives {
   bool intersect_shape(std::uint32_t primitive, const AnyRay& ray, Hit& hit) const;
   bool intersect_instance(std::uint32_t number, const Ray& ray, Hit& hit) const;
   ObjectPoint triangle_point(const Hit& hit) const;
+  // Of any shape.
+  template <typename AnyRay>
+  ObjectPoint shape_point(const AnyRay& ray, const Hit& hit) const;
   template <typename AnyRay>
   ObjectPoint sphere_point(const AnyRay& ray, const Hit& hit) const;
+  std::uint32_t first_disk() const { return triangle_count() + sphere_count(); }
+  std::uint32_t first_cylinder() const { return first_disk() + static_cast<std::uint32_t>(disks_.size()); }
   SurfacePoint instance_surface(const Ray& ray, const Hit& hit) const;
   ModelTangents triangle_tangents(const Triangle& triangle) const;
   Tangents instance_tangents(const Hit& hit, const SurfacePoint& point) const;
-  // The tangents of a sphere at its outward normal.
-  ModelTangents model_tangents(std::uint32_t primitive, Vec3 normal) const;
+  // The tangents of a shape at its object-space normal and texture coordinates.
+  ModelTangents model_tangents(std::uint32_t primitive, Vec3 normal, Vec2 uv) const;
   Rgb color_at(const Hit& hit) const;
   Outline outline() const;
   Aabb instance_box(const Instance& instance) const;
@@ -163,7 +182,9 @@ class Primitives {
   std::vector<Triangle> triangles_;
   std::vector<std::uint32_t> triangle_materials_;
   std::vector<Sphere> spheres_;
-  std::vector<std::uint32_t> sphere_materials_;
+  std::vector<Disk> disks_;
+  std::vector<Cylinder> cylinders_;
+  std::vector<std::uint32_t> analytic_materials_;  // of spheres, disks and cylinders, by their ids
   std::vector<Instance> instances_;
   std::vector<Aabb> instance_bounds_;
   std::vector<Primitives> objects_;

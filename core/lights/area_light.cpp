@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
+#include "core/geometry/cylinder.hpp"
+#include "core/geometry/disk.hpp"
+#include "core/geometry/placement.hpp"
 #include "core/geometry/sphere.hpp"
 #include "core/geometry/vec3d.hpp"
 #include "core/math/elementary.hpp"
@@ -34,6 +38,13 @@ float area_of(const SphereLight& s) {
   return 4 * kPi * s.radius * s.radius;
 }
 
+float area_of(const DiskLight& d) {
+  return static_cast<float>(Disk{d.center, d.radius_u, d.radius_v, d.inner}.area());
+}
+float area_of(const CylinderLight& c) {
+  return static_cast<float>(cylinder_area(Vec3d(c.axis), Vec3d(c.radius_u), Vec3d(c.radius_v)));
+}
+
 Aabb box_of(const TriangleLight& t) {
   Aabb box;
   for (const Vec3 p : {t.p0, t.p1, t.p2}) box.include(p);
@@ -48,6 +59,13 @@ Aabb box_of(const QuadLight& q) {
 Aabb box_of(const SphereLight& s) {
   const Vec3 reach{s.radius, s.radius, s.radius};
   return {s.center - reach, s.center + reach};
+}
+
+Aabb box_of(const DiskLight& d) {
+  return Disk{d.center, d.radius_u, d.radius_v, d.inner}.bounds();
+}
+Aabb box_of(const CylinderLight& c) {
+  return Cylinder(c.start, c.axis, c.radius_u, c.radius_v, c.flipped).bounds();
 }
 
 template <typename T>
@@ -114,6 +132,29 @@ struct ConeOf {
   T sin2_max, one_minus_cos_max;
 };
 
+// The direction from the axis of the cylinder to the point `cosine` radius_u + `sine` radius_v of its
+// surface, and the area per unit of its texture coordinates there.
+struct CylinderSide {
+  CylinderSide(const CylinderLight& c, double cosine, double sine) {
+    const Vec3d u(c.radius_u), v(c.radius_v);
+    const Vec3d across = cross(cosine * v - sine * u, Vec3d(c.axis));
+    const double size = length(across);
+    area = static_cast<float>(2 * std::numbers::pi * size);
+    outward = face_toward(((1 / size) * across).rounded(), (cosine * u + sine * v).rounded());
+  }
+
+  float area;
+  Vec3 outward;  // unit
+};
+
+// The side on which `position` lies.
+CylinderSide side_at(const CylinderLight& c, Vec3 position) {
+  const Placement place(Transform{c.radius_u, c.radius_v, c.axis, c.start});
+  const Vec3d unit = place.object_point(Vec3d(position));
+  const double scale = 1 / std::sqrt(unit.x * unit.x + unit.y * unit.y);
+  return {c, scale * unit.x, scale * unit.y};
+}
+
 template <typename T>
 struct FoundOnSphere {
   SurfacePointOf<T> point;
@@ -160,12 +201,16 @@ AreaLight::Batch AreaLight::batch_of(const LightShape& shape, const SurfaceEmiss
 }
 
 Rgb AreaLight::emitted(const std::vector<Texture>& textures, const SurfacePoint& point, Vec3 wo) const {
-  if (!two_sided_) {
-    const auto* sphere = std::get_if<SphereLight>(&shape_);
-    const Vec3 outward = sphere ? point.position - sphere->center : front_;
-    if (!(dot(outward, wo) > 0)) return {};
-  }
+  if (!two_sided_ && !(dot(front_at(point.position), wo) > 0)) return {};
   return radiance_.evaluate(textures, point.uv);
+}
+
+Vec3 AreaLight::front_at(Vec3 position) const {
+  if (const auto* sphere = std::get_if<SphereLight>(&shape_)) return position - sphere->center;
+  const auto* cylinder = std::get_if<CylinderLight>(&shape_);
+  if (cylinder == nullptr) return front_;
+  const Vec3 outward = side_at(*cylinder, position).outward;
+  return cylinder->flipped ? -outward : outward;
 }
 
 std::optional<LightSample> AreaLight::sample(const std::vector<Texture>& textures, Vec3 p_lit, Vec2 u) const {
@@ -195,6 +240,31 @@ AreaLight::Sample AreaLight::find(const TriangleLight& t, Vec3 p_lit, Vec2 u) co
 
 AreaLight::Sample AreaLight::find(const QuadLight& q, Vec3 p_lit, Vec2 u) const {
   return flat(point_of_quad(q, front_, u), p_lit);
+}
+
+AreaLight::Sample AreaLight::find(const DiskLight& d, Vec3 p_lit, Vec2 u) const {
+  const RingPoint ring = sample_ring(d.inner, u);
+  const Vec3 along_u = d.radius_u * ring.x, along_v = d.radius_v * ring.y;
+  SurfacePoint point =
+      flat_point(d.center + along_u + along_v, abs(d.center) + abs(along_u) + abs(along_v), front_);
+  point.uv = ring.uv;
+  return flat(point, p_lit);
+}
+
+// Uniform by texture coordinates: over the area if the cylinder is circular.
+AreaLight::Sample AreaLight::find(const CylinderLight& c, Vec3 p_lit, Vec2 u) const {
+  const auto [sine, cosine] = sin_cos_turns(u.x);
+  const Vec3 along_u = c.radius_u * cosine, along_v = c.radius_v * sine, along_axis = c.axis * u.y;
+  const CylinderSide side(c, double{cosine}, double{sine});
+  SurfacePoint point;
+  point.position = c.start + along_u + along_v + along_axis;
+  // The rounding of sine and cosine, and of the radii themselves, moves points off the surface.
+  point.position_error =
+      (abs(c.start) + abs(c.radius_u) + abs(c.radius_v) + abs(c.axis)) * rounding_bound(16);
+  point.geometric_normal = side.outward;
+  point.uv = u;
+  return {point, normalize(point.position - p_lit),
+          per_solid_angle(side.area, p_lit, point.position, side.outward)};
 }
 
 LightSamples AreaLight::sample_quads(const std::array<const AreaLight*, 8>& quads,
@@ -267,6 +337,10 @@ LightSamples AreaLight::sample_uniform_spheres(const std::array<const AreaLight*
 }
 
 float AreaLight::pdf(Vec3 p_lit, Vec3 p_light) const {
+  if (const auto* cylinder = std::get_if<CylinderLight>(&shape_)) {
+    const CylinderSide side = side_at(*cylinder, p_light);
+    return per_solid_angle(side.area, p_lit, p_light, side.outward);
+  }
   const auto* sphere = std::get_if<SphereLight>(&shape_);
   if (!sphere) return per_solid_angle(area_, p_lit, p_light, front_);
   const ConeOf<float> cone({sphere->center, sphere->radius}, p_lit);
@@ -280,8 +354,14 @@ double AreaLight::power() const {
   return mean_radiance_ * static_cast<double>(area_) * static_cast<double>(kPi) * sides;
 }
 
-// A sphere is seen as a disk, a quarter of its area.
+// A sphere is seen as a disk, a quarter of its area. A cylinder emits about as a sphere of its area does, on
+// one side or on both.
 LightBounds AreaLight::bounds() const {
+  if (std::holds_alternative<CylinderLight>(shape_)) {
+    const double seen_area = static_cast<double>(area_) / 4 * (two_sided_ ? 2 : 1);
+    return LightBounds({box_of(*std::get_if<CylinderLight>(&shape_)), seen_area}, NormalCone::all(),
+                       Falloff::cosine(), mean_radiance_ * seen_area, false);
+  }
   const bool sphere = std::holds_alternative<SphereLight>(shape_);
   const double seen_area = static_cast<double>(area_) / (sphere ? 4 : 1);
   return LightBounds({std::visit([](const auto& s) { return box_of(s); }, shape_), seen_area},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Emissive shapes as light sources: a triangle of a mesh, a quad, or a sphere. Immutable. Densities are per
-// solid angle at the reference point.
+// Emissive shapes as light sources: a triangle of a mesh, a quad, a sphere, a disk or a cylinder.
+// Immutable. Densities are per solid angle at the reference point.
 #pragma once
 
 #include <array>
@@ -32,7 +32,17 @@ struct SphereLight {
   // The sphere's own axes in the world, which define its texture coordinates; unit length.
   Vec3 x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1};
 };
-using LightShape = std::variant<TriangleLight, QuadLight, SphereLight>;
+// As DiskDescription.
+struct DiskLight {
+  Vec3 center, radius_u, radius_v;
+  float inner;
+};
+// As CylinderDescription.
+struct CylinderLight {
+  Vec3 start, axis, radius_u, radius_v;
+  bool flipped;  // the front is inside
+};
+using LightShape = std::variant<TriangleLight, QuadLight, SphereLight, DiskLight, CylinderLight>;
 
 struct SurfaceEmission {
   ColorParameter radiance;      // uniform over directions
@@ -45,7 +55,7 @@ struct SurfaceEmission {
 
 class AreaLight {
  public:
-  // `front` is the outward normal of a triangle or quad, as in SurfacePoint; unused by spheres.
+  // `front` is the outward normal of a flat shape, as in SurfacePoint; unused by spheres and cylinders.
   AreaLight(LightShape shape, Vec3 front, const SurfaceEmission& emission);
 
   // Radiance emitted at a point of the light (its position and uv matter) towards `wo`, given that a ray
@@ -88,6 +98,10 @@ class AreaLight {
   Sample find(const TriangleLight& triangle, Vec3 p_lit, Vec2 u) const;
   Sample find(const QuadLight& quad, Vec3 p_lit, Vec2 u) const;
   Sample find(const SphereLight& sphere, Vec3 p_lit, Vec2 u) const;
+  Sample find(const DiskLight& disk, Vec3 p_lit, Vec2 u) const;
+  Sample find(const CylinderLight& cylinder, Vec3 p_lit, Vec2 u) const;
+  // The direction of the front at a point, of any length.
+  Vec3 front_at(Vec3 position) const;
 
   LightShape shape_;
   Vec3 front_;

@@ -61,10 +61,12 @@ RgbOf<Float8> in_all_lanes(Rgb c) {
 
 }  // namespace
 
-Environment::Environment(Rgb radiance, std::shared_ptr<const TextureImage> image, float rotation_degrees)
+Environment::Environment(Rgb radiance, std::shared_ptr<const TextureImage> image, float rotation_degrees,
+                         const Transform& orientation, bool visible_to_camera)
     : radiance_(radiance),
       image_(std::move(image)),
-      map_(rotation_degrees),
+      map_(rotation_degrees, orientation),
+      visible_to_camera_(visible_to_camera),
       distribution_(
           std::make_shared<EnvironmentDistribution>(distribution_of(radiance_, image_.get(), map_))) {}
 

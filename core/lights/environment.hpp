@@ -17,8 +17,12 @@ namespace tessera::core {
 class Environment {
  public:
   // If `image` is null, the environment has constant `radiance`; else `radiance` multiplies the image,
-  // which is rotated as described in EquirectangularMap.
-  Environment(Rgb radiance, std::shared_ptr<const TextureImage> image, float rotation_degrees);
+  // which is placed as described in EquirectangularMap. If it is not visible to the camera, camera rays that
+  // escape are black; that is left to integrators.
+  Environment(Rgb radiance, std::shared_ptr<const TextureImage> image, float rotation_degrees,
+              const Transform& orientation = {}, bool visible_to_camera = true);
+
+  bool visible_to_camera() const { return visible_to_camera_; }
 
   // Radiance from a direction of any non-zero length. Texels are interpolated bilinearly.
   Rgb radiance(Vec3 direction) const;
@@ -52,6 +56,7 @@ class Environment {
   Rgb radiance_;
   std::shared_ptr<const TextureImage> image_;
   EquirectangularMap map_;
+  bool visible_to_camera_;
   std::shared_ptr<const EnvironmentDistribution> distribution_;
 };
 

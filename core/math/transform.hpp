@@ -10,6 +10,8 @@ namespace tessera::core {
 struct Transform {
   Vec3 x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1}, origin{0, 0, 0};
 
+  bool operator==(const Transform&) const = default;
+
   Vec3 point(Vec3 p) const { return direction(p) + origin; }
   Vec3 direction(Vec3 d) const { return x_axis * d.x + y_axis * d.y + z_axis * d.z; }
   // Transforms by the cofactor matrix (the inverse transpose times the determinant). The result does not

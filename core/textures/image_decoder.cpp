@@ -63,26 +63,48 @@ T opaque_value() {
     return std::numeric_limits<T>::max();
 }
 
-// Copies each pixel's alpha to its first three values, and drops the fourth.
+// Keeps three values of each pixel, all of them that of one of its `channels`.
 template <typename T>
-void keep_alpha_only(std::vector<T>& rgba) {
-  const std::size_t pixels = rgba.size() / 4;
+void keep_channel(std::vector<T>& values, std::size_t channels, std::size_t channel) {
+  const std::size_t pixels = values.size() / channels;
   for (std::size_t i = 0; i < pixels; ++i) {
-    const T alpha = rgba[4 * i + 3];
-    std::fill_n(rgba.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, alpha);
+    const T kept = values[channels * i + channel];
+    std::fill_n(values.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, kept);
   }
-  rgba.resize(3 * pixels);
+  values.resize(3 * pixels);
 }
 
-// Extracts the channel of a file with 4 channels.
+// Extracts alpha from a file with 4 channels.
 template <typename T>
 TextureImage alpha_image(ImageSize size, std::vector<T>& rgba) {
-  keep_alpha_only(rgba);
+  keep_channel(rgba, 4, 3);
   if (std::ranges::all_of(rgba, [](T alpha) { return alpha == opaque_value<T>(); })) {
     size = {1, 1};
     rgba.resize(3);
   }
   return make_image(size, rgba, ColorSpace::kLinear);
+}
+
+// From values with 4 channels for alpha, else with 3.
+template <typename T>
+TextureImage image_of_channel(ImageSize size, std::vector<T>& values, ColorSpace color_space,
+                              TextureChannel channel) {
+  switch (channel) {
+    case TextureChannel::kColor:
+      break;
+    case TextureChannel::kAlpha:
+      return alpha_image(size, values);
+    case TextureChannel::kRed:
+      keep_channel(values, 3, 0);
+      break;
+    case TextureChannel::kGreen:
+      keep_channel(values, 3, 1);
+      break;
+    case TextureChannel::kBlue:
+      keep_channel(values, 3, 2);
+      break;
+  }
+  return make_image(size, values, color_space);
 }
 
 Result<TextureImage> decode(std::string_view bytes, ColorSpace color_space, TextureChannel channel,
@@ -98,10 +120,7 @@ Result<TextureImage> decode(std::string_view bytes, ColorSpace color_space, Text
           replaced, kLargestHalf));
   if (warnings != nullptr) *warnings = std::move(decoded->warnings);
   return std::visit(
-      [&](auto& values) {
-        return wants_alpha ? alpha_image(decoded->size, values)
-                           : make_image(decoded->size, values, color_space);
-      },
+      [&](auto& values) { return image_of_channel(decoded->size, values, color_space, channel); },
       decoded->values);
 }
 

@@ -75,6 +75,15 @@ T wrap_index(T i, T size, MaskOf<T> repeat) {
   return select(i < 0.0f, below, select(i >= size, above, i));
 }
 
+// A coordinate inside of the image with the texel of kMirror at `coordinate`.
+template <typename T>
+T mirrored(T coordinate) {
+  using std::floor;
+  const T half = coordinate * 0.5f;
+  const T within = (half - floor(half)) * 2.0f;
+  return select(within > 1.0f, T(2.0f) - within, within);
+}
+
 // `coordinate` is in units of the image, from 0 at the first texel's outer edge.
 template <typename T>
 Footprint<T> footprint(T coordinate, T size, MaskOf<T> repeat) {
@@ -269,22 +278,53 @@ Rgb TextureImage::largest() const {
 }
 
 Rgb Texture::evaluate(Vec2 uv) const {
-  return image->bilinear({uv.x * scale.x + offset.x, uv.y * scale.y + offset.y}, wrap, wrap);
+  const Wrap along_v = wrap_v.value_or(wrap);
+  Vec2 at{uv.x * scale.x + offset.x, uv.y * scale.y + offset.y};
+  if (shear != Vec2{}) at = at + Vec2{uv.y * shear.x, uv.x * shear.y};
+  if (wrap == Wrap::kMirror) at.x = mirrored(at.x);
+  if (along_v == Wrap::kMirror) at.y = mirrored(at.y);
+  return image->bilinear(at, wrap, along_v);
 }
+
+namespace {
+
+// The lanes whose textures wrap in each way.
+struct WrapLanes {
+  void set(std::size_t lane, Wrap wrap) {
+    repeat |= (wrap == Wrap::kRepeat ? 1u : 0u) << lane;
+    mirror |= (wrap == Wrap::kMirror ? 1u : 0u) << lane;
+  }
+  Float8 mirrored_where_due(Float8 coordinate) const {
+    return mirror == 0 ? coordinate : select(Mask8::from_bits(mirror), mirrored(coordinate), coordinate);
+  }
+
+  unsigned repeat = 0, mirror = 0;  // bit i for lane i
+};
+
+}  // namespace
 
 RgbOf<Float8> Texture::evaluate(const std::array<const Texture*, kLaneCount>& textures, Vec2Of<Float8> uv) {
   std::array<const TextureImage*, kLaneCount> images;
-  FloatLanes scale_u, scale_v, offset_u, offset_v;
-  unsigned repeat = 0;
+  FloatLanes scale_u, scale_v, offset_u, offset_v, shear_u, shear_v;
+  WrapLanes wrap_u, wrap_v;
+  unsigned sheared = 0;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     const Texture& texture = *textures[lane];
     images[lane] = texture.image.get();
     scale_u.set(lane, texture.scale.x), scale_v.set(lane, texture.scale.y);
     offset_u.set(lane, texture.offset.x), offset_v.set(lane, texture.offset.y);
-    repeat |= (texture.wrap == Wrap::kRepeat ? 1u : 0u) << lane;
+    shear_u.set(lane, texture.shear.x), shear_v.set(lane, texture.shear.y);
+    sheared |= (texture.shear != Vec2{} ? 1u : 0u) << lane;
+    wrap_u.set(lane, texture.wrap);
+    wrap_v.set(lane, texture.wrap_v.value_or(texture.wrap));
   }
-  const Vec2Of<Float8> at{uv.x * scale_u.all() + offset_u.all(), uv.y * scale_v.all() + offset_v.all()};
-  return TextureImage::bilinear(images, at, Mask8::from_bits(repeat), Mask8::from_bits(repeat));
+  Vec2Of<Float8> at{uv.x * scale_u.all() + offset_u.all(), uv.y * scale_v.all() + offset_v.all()};
+  if (sheared != 0) {
+    const Mask8 lanes = Mask8::from_bits(sheared);
+    at = {select(lanes, at.x + uv.y * shear_u.all(), at.x), select(lanes, at.y + uv.x * shear_v.all(), at.y)};
+  }
+  at = {wrap_u.mirrored_where_due(at.x), wrap_v.mirrored_where_due(at.y)};
+  return TextureImage::bilinear(images, at, Mask8::from_bits(wrap_u.repeat), Mask8::from_bits(wrap_v.repeat));
 }
 
 namespace {

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -20,9 +21,10 @@
 namespace tessera::core {
 
 enum class ColorSpace { kSrgb, kLinear };
-enum class Wrap { kRepeat, kClamp };
-// The channels of a file that become the image: red, green and blue, or alpha in all three.
-enum class TextureChannel { kColor, kAlpha };
+// Beyond the image's edges: the image again, its edge, or the image mirrored at each edge.
+enum class Wrap { kRepeat, kClamp, kMirror };
+// The channels of a file that become the image: red, green and blue, or a single one in all three.
+enum class TextureChannel { kColor, kAlpha, kRed, kGreen, kBlue };
 
 // A decoded image, stored for fast lookup. 8-bit files and the shared exponents of HDR files take four
 // bytes per texel. 4 x 4 texels share a cache line, so four neighbours are mostly in one or two.
@@ -58,8 +60,9 @@ class TextureImage {
   }
   const Texels& texels() const { return texels_; }
 
-  Rgb texel(int x, int y) const;                          // linear; 0 <= x < width, 0 <= y < height
-  Rgb bilinear(Vec2 uv, Wrap wrap_u, Wrap wrap_v) const;  // linear, between the nearest four texels
+  Rgb texel(int x, int y) const;  // linear; 0 <= x < width, 0 <= y < height
+  // Linear, between the nearest four texels. kMirror clamps: Texture::evaluate() has mirrored uv before.
+  Rgb bilinear(Vec2 uv, Wrap wrap_u, Wrap wrap_v) const;
   // Looks up eight images; each lane equals bilinear().
   static RgbOf<Float8> bilinear(const std::array<const TextureImage*, kLaneCount>& images, Vec2Of<Float8> uv,
                                 Mask8 repeat_u, Mask8 repeat_v);
@@ -89,9 +92,17 @@ class TextureImage {
 
 struct Texture {
   std::shared_ptr<const TextureImage> image;  // never null; several textures may share an image
-  Wrap wrap = Wrap::kRepeat;
-  Vec2 scale{1, 1};  // uv are multiplied by it, then `offset` is added
+  Wrap wrap = Wrap::kRepeat;                  // along u, and along v unless wrap_v is given
+  // The image is looked up at (scale.x u + shear.x v, scale.y v + shear.y u) + offset.
+  Vec2 scale{1, 1};
   Vec2 offset{0, 0};
+  std::optional<Wrap> wrap_v{};
+  Vec2 shear{0, 0};
+
+  bool operator==(const Texture&) const = default;
+
+  // Whether u of the image depends on v of the surface, or the reverse, as in rotated images.
+  bool is_sheared() const { return shear != Vec2{}; }
 
   Rgb evaluate(Vec2 uv) const;  // bilinear, linear colour
   // Evaluates eight textures; each lane equals evaluate().

@@ -81,6 +81,34 @@ Primitives mixed(Random& random, std::uint32_t count) {
   return primitives;
 }
 
+// Disks, rings, ellipses and cylinders, also oblique, of any size down to needles and leaves.
+void add_quadrics(Primitives& primitives, Random& random, std::uint32_t count, float half_size) {
+  const auto size = [&] { return half_size * std::ldexp(0.3f, -static_cast<int>(random.below(6))); };
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const float inner = random.below(2) == 0 ? 0 : random.uniform(0, 1);
+    primitives.add_disk(
+        {random.in_box(half_size), random.in_box(size()), random.in_box(size()), inner, random.below(2) == 0},
+        0);
+  }
+  for (std::uint32_t i = 0; i < count;) {
+    const Vec3 axis = random.in_box(size()), u = random.in_box(size()), v = random.in_box(size());
+    if (!Cylinder::can_be_hit(random.in_box(half_size), axis, u, v)) continue;
+    primitives.add_cylinder({random.in_box(half_size), axis, u, v, random.below(2) == 0}, 0);
+    ++i;
+  }
+}
+
+// Also in instances.
+Primitives quadrics(Random& random, std::uint32_t count) {
+  Primitives primitives = mixed(random, count / 4 + 1);
+  add_quadrics(primitives, random, count / 4 + 1, 1);
+  Primitives object = uniform(random, 3, 0.5f, 0.5f);
+  add_quadrics(object, random, count / 16 + 1, 0.5f);
+  primitives.add_object(std::move(object));
+  for (std::uint32_t i = 0; i < 5; ++i) primitives.add_instance({Placement(random_transform(random, 1)), 0});
+  return primitives;
+}
+
 // A few of the scene's own, among instances of two objects, each third of which stands where the one before
 // it does.
 Primitives instances(Random& random, std::uint32_t count) {
@@ -184,6 +212,7 @@ std::vector<Soup> all_soups(std::uint32_t count) {
   soups.push_back({"mixed", mixed(random, count), 1.5f});
   soups.push_back({"instances", instances(random, count), 1.5f});
   soups.push_back({"tiny", uniform(random, count, 1e-18f, 2e-19f), 1.5e-18f});
+  soups.push_back({"quadrics", quadrics(random, count), 1.5f});
   soups.push_back(
       {"largest", uniform(random, count, 0.8f * kMaxCoordinate, 0.2f * kMaxCoordinate), kMaxCoordinate});
   soups.push_back({"huge", uniform(random, count, 1e30f, 3e29f), 1.5e30f});
@@ -207,6 +236,13 @@ Vec3 point_of(const Primitives& primitives, Random& random) {
   if (primitives.is_sphere(id)) {
     return primitives.sphere(id).center + primitives.sphere(id).radius * random.direction();
   }
+  if (primitives.is_disk(id)) {
+    const Disk& disk = primitives.disk(id);
+    const RingPoint p = sample_ring(disk.inner, {random.uniform(0, 1), random.uniform(0, 1)});
+    return disk.center + p.x * disk.radius_u + p.y * disk.radius_v;
+  }
+  if (primitives.is_cylinder(id))
+    return primitives.cylinder(id).position({random.uniform(0, 1), random.uniform(0, 1)}).rounded();
   const TriangleCorners corners = primitives.triangle_corners(id);
   const Vec3 w = random.weights();
   return w.x * corners[0] + w.y * corners[1] + w.z * corners[2];
