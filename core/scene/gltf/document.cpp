@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/gltf/document.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/scene/loader/wording.hpp"
+
+namespace tessera::core::gltf {
+namespace {
+
+constexpr std::array<std::string_view, 23> kKnownExtensions{
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_node_visibility",
+    "KHR_texture_transform",
+    "KHR_xmp_json_ld",  // data about the file, which no image depends on
+};
+
+bool is_known_extension(std::string_view name) {
+  return std::find(kKnownExtensions.begin(), kKnownExtensions.end(), name) != kKnownExtensions.end();
+}
+
+[[noreturn]] void refuse_file(std::string what) {
+  throw Refusal{0, {ErrorCode::kInvalidArgument, std::move(what)}, false};
+}
+
+// The text of an element of a list of texts.
+std::string text_of(const JsonValue* list, std::size_t i) {
+  const auto* text = (*list->get_if<JsonValue::Array>())[i].get_if<std::string>();
+  return text == nullptr ? std::string() : *text;
+}
+
+std::uint32_t little_endian(std::string_view bytes, std::size_t offset) {
+  std::uint32_t word = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    word |= std::uint32_t{static_cast<unsigned char>(bytes[offset + i])} << (8 * i);
+  return word;
+}
+
+constexpr std::string_view kBinaryMagic = "glTF";
+
+}  // namespace
+
+Document::Document(std::string bytes, SceneBuilder& builder) : builder_(builder), bytes_(std::move(bytes)) {
+  const std::string_view text = split();
+  const std::string shown = builder.shown(builder.scene_path());
+  Mistakes repeated_keys(shown);
+  auto json = parse_json(text, shown, repeated_keys);
+  if (!json) throw Refusal{0, json.error(), true};
+  json_ = std::move(*json);
+  if (!repeated_keys.empty())
+    warn(root(), "repeated keys", "has keys twice in an object; the first of each is used");
+  check_version();
+  check_extensions();
+}
+
+std::string_view Document::split() {
+  const std::string_view bytes = bytes_;
+  if (!bytes.starts_with(kBinaryMagic)) return bytes;
+  is_binary_ = true;
+  constexpr std::size_t kHeader = 12, kChunkHeader = 8;
+  if (bytes.size() < kHeader) refuse_file("is truncated in its header");
+  if (const std::uint32_t version = little_endian(bytes, 4); version != 2)
+    refuse_file(fmt::format("is a binary glTF file of version {}; only version 2 can be read", version));
+  const std::size_t length = little_endian(bytes, 8);
+  if (length > bytes.size())
+    refuse_file(fmt::format("is truncated: it has {} bytes, and its header says {}", bytes.size(), length));
+  std::optional<std::string_view> json;
+  for (std::size_t at = kHeader; at + kChunkHeader <= length;) {
+    const std::size_t size = little_endian(bytes, at);
+    constexpr std::uint32_t kJson = 0x4e4f534a, kBin = 0x004e4942;
+    const std::uint32_t type = little_endian(bytes, at + 4);
+    at += kChunkHeader;
+    if (size > length - at) refuse_file("has a chunk that reaches beyond its end");
+    const std::string_view chunk = bytes.substr(at, size);
+    if (type == kJson && !json) json = chunk;
+    if (type == kBin && !binary_) binary_ = chunk;
+    at += size + (4 - size % 4) % 4;
+  }
+  if (!json) refuse_file("is a binary glTF file without a JSON chunk");
+  // Some writers fill it up with NUL instead of blanks.
+  return json->substr(0, json->find_last_not_of('\0') + 1);
+}
+
+void Document::check_version() const {
+  if (root().keys().empty()) refuse_file("is not glTF: its JSON is no object with keys");
+  const Value asset = root()["asset"];
+  const std::string version = asset.text("version");
+  if (version.empty()) return warn(root(), "version", "says no version of glTF; it is read as glTF 2.0");
+  const std::string needed = asset.text("minVersion");
+  if (!version.starts_with("2.") || (!needed.empty() && needed != "2.0"))
+    asset.refuse(fmt::format("is glTF {}; only 2.0 can be read", needed.empty() ? version : needed));
+}
+
+void Document::check_extensions() const {
+  const auto* object = json_.get_if<JsonValue::Object>();
+  for (const auto& [key, line, list] : *object) {
+    if ((key != "extensionsRequired" && key != "extensionsUsed") || !list.get_if<JsonValue::Array>())
+      continue;
+    for (std::size_t i = 0; i < list.get_if<JsonValue::Array>()->size(); ++i) {
+      const std::string name = text_of(&list, i);
+      if (is_known_extension(name)) continue;
+      if (key == "extensionsRequired")
+        Value(&list, key)
+            .refuse(fmt::format("needs the extension {}, which is not supported", in_quotes(name)));
+      warn(Value(&list, key), name,
+           fmt::format("the optional extension {} is not supported; it is ignored", in_quotes(name)));
+    }
+  }
+}
+
+Value Document::element(std::string_view list, const Value& index) const {
+  const Value all = root()[list];
+  const std::uint64_t i = index.whole();
+  if (i >= all.size()) index.refuse(fmt::format("there is no {}[{}]; the file has {}", list, i, all.size()));
+  return all.at(static_cast<std::size_t>(i));
+}
+
+void Document::warn(const Value& place, std::string_view kind, std::string_view text) const {
+  builder_.warn(builder_.scene_path(), line_of(place), kind, [&] {
+    return printable(place.path().empty() ? std::string(text) : fmt::format("{}: {}", place.path(), text));
+  });
+}
+
+}  // namespace tessera::core::gltf

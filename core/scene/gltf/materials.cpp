@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/gltf/materials.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/scene/loader/wording.hpp"
+
+namespace tessera::core::gltf {
+namespace {
+
+bool is_constant_white(const ColorParameter& color) {
+  return color.texture < 0 && color.value == Rgb::gray(1);
+}
+
+// All textureInfo objects of a material that an image depends on, the base colour's first.
+std::vector<Value> texture_infos(const Value& material) {
+  std::vector<Value> places{material["pbrMetallicRoughness"], material};
+  for (const std::string& name : material["extensions"].keys()) places.push_back(material.extension(name));
+  std::vector<Value> infos{places[0]["baseColorTexture"]};
+  for (const Value& place : places)
+    for (const std::string& key : place.keys())
+      if (key.ends_with("Texture") && key != "occlusionTexture") infos.push_back(place[key]);
+  std::erase_if(infos, [](const Value& info) { return !info["index"].exists(); });
+  return infos;
+}
+
+enum class AlphaMode { kOpaque, kMask, kBlend };
+
+AlphaMode alpha_mode(const Value& material) {
+  const std::string mode = material.text("alphaMode");
+  if (mode == "MASK") return AlphaMode::kMask;
+  return mode == "BLEND" ? AlphaMode::kBlend : AlphaMode::kOpaque;
+}
+
+// The base colour's parameters stand at one of two places.
+struct BaseKeys {
+  Value place;
+  const char* factor;
+  const char* texture;
+};
+BaseKeys base_keys(const Value& material) {
+  const Value glossiness = material.extension("KHR_materials_pbrSpecularGlossiness");
+  if (glossiness.exists()) return {glossiness, "diffuseFactor", "diffuseTexture"};
+  return {material["pbrMetallicRoughness"], "baseColorFactor", "baseColorTexture"};
+}
+
+// The index whose reflectance at normal incidence this is (Fresnel's equations).
+float ior_of_reflectance(float f0) {
+  const float root = std::sqrt(std::max(f0, 0.0f));
+  const float ior = (1 + root) / (1 - root);
+  return ior > 1 && ior < kMaxIor ? ior : ior <= 1 ? 1.0f : kMaxIor;
+}
+
+}  // namespace
+
+bool is_transparent(const Value& material) {
+  return alpha_mode(material) != AlphaMode::kOpaque;
+}
+
+bool is_unlit(const Value& material) {
+  return material.extension("KHR_materials_unlit").exists();
+}
+
+Materials::Use Materials::of_primitive(const Value& primitive) {
+  const Value index = primitive["material"];
+  const Value material = index.exists() ? document_.element("materials", index) : Value();
+  const auto known = converted_.find(material.path());
+  if (known != converted_.end()) return known->second;
+  return converted_.emplace(material.path(), convert(material)).first->second;
+}
+
+std::uint32_t Materials::uv_set_of(const Value& material) const {
+  const auto infos = texture_infos(material);
+  if (infos.empty()) return 0;
+  const std::uint32_t set = Textures::uv_set(infos.front());
+  for (const Value& info : infos)
+    if (Textures::uv_set(info) != set)
+      document_.warn(
+          info, "second uv",
+          fmt::format("a material has one set of texture coordinates; TEXCOORD_{} is used for this "
+                      "texture, too",
+                      set));
+  return set;
+}
+
+Materials::Use Materials::convert(const Value& material) {
+  Use use;
+  use.uv_set = uv_set_of(material);
+  const Value transmission = material.extension("KHR_materials_diffuse_transmission");
+  if (is_unlit(material)) {
+    use.material = add(material, unlit(material));
+  } else if (transmission.number_or("diffuseTransmissionFactor", 0) > 0) {
+    use.material = with_diffuse_transmission(material, transmission);
+  } else {
+    use.material = add(material, surface(material));
+  }
+  return use;
+}
+
+std::uint32_t Materials::add(const Value& material, Material surface) {
+  surface.name = printable(material.text("name"));
+  if (surface.name.empty()) surface.name = material.exists() ? material.path() : "default";
+  return document_.builder().add_material(std::move(surface));
+}
+
+// A blend of the surface and of one that transmits only.
+std::uint32_t Materials::with_diffuse_transmission(const Value& material, const Value& extension) {
+  const ColorParameter color = tint(extension, "diffuseTransmissionColorFactor", Rgb::gray(1),
+                                    textures_.color(extension["diffuseTransmissionColorTexture"]));
+  const ScalarParameter weight =
+      share(extension, "diffuseTransmissionFactor", 0,
+            textures_.data(extension["diffuseTransmissionTexture"], TextureChannel::kAlpha));
+  document_.warn(extension, "diffuse transmission",
+                 "diffuse transmission replaces a part of the whole surface, with its highlight");
+  Material whole = surface(material);
+  Material reflecting = whole, transmitting = whole;
+  for (Material* part : {&reflecting, &transmitting}) {
+    part->emission = {Rgb{}};
+    part->opacity = 1;
+  }
+  transmitting.model = DiffuseTransmission{{Rgb{}}, color};
+  const std::uint32_t first = add(material, std::move(reflecting));
+  const std::uint32_t second = add(material, std::move(transmitting));
+  whole.model = Blend{first, second, weight};
+  return add(material, std::move(whole));
+}
+
+Material Materials::surface(const Value& material) {
+  Material surface;
+  surface.model = principled(material);
+  surface.opacity = opacity(material);
+  surface.normal_map.texture = textures_.data(material["normalTexture"], TextureChannel::kColor);
+  surface.normal_map.strength = material["normalTexture"].number_or("scale", 1);
+  add_emission(material, surface);
+  if (material["occlusionTexture"].exists())
+    document_.warn(material["occlusionTexture"], "occlusion",
+                   "baked occlusion is ignored: light transport computes it");
+  return surface;
+}
+
+Material Materials::unlit(const Value& material) {
+  document_.warn(material, "unlit",
+                 "an unlit surface is rendered as one that emits its colour, which also lights others");
+  Material surface;
+  surface.model = Lambert{{Rgb{}}};
+  surface.opacity = opacity(material);
+  surface.emission = base_color(material);
+  return surface;
+}
+
+void Materials::add_emission(const Value& material, Material& surface) {
+  const Rgb factor = material.color_or("emissiveFactor", Rgb{});
+  const float strength =
+      material.extension("KHR_materials_emissive_strength").number_or("emissiveStrength", 1);
+  const Rgb radiance = factor * strength;
+  if (!(std::min({radiance.r, radiance.g, radiance.b}) >= 0) || !is_finite(radiance))
+    material.refuse("its emission must be finite and not negative");
+  if (is_black(radiance)) return;
+  surface.emission = {radiance, textures_.color(material["emissiveTexture"])};
+  surface.two_sided_emission = material.is_true("doubleSided");
+}
+
+ColorParameter Materials::base_color(const Value& material) {
+  const auto [place, factor_key, texture_key] = base_keys(material);
+  const auto factor = place.numbers(factor_key, 4);
+  const Rgb color = factor.empty() ? Rgb::gray(1) : Rgb{factor[0], factor[1], factor[2]};
+  return {clamped(place, color), textures_.color(place[texture_key])};
+}
+
+ScalarParameter Materials::opacity(const Value& material) {
+  const AlphaMode mode = alpha_mode(material);
+  if (mode == AlphaMode::kOpaque) return 1;
+  const auto [place, factor_key, texture_key] = base_keys(material);
+  const auto factor = place.numbers(factor_key, 4);
+  const float alpha = factor.empty() ? 1 : std::clamp(factor[3], 0.0f, 1.0f);
+  const Value info = place[texture_key];
+  if (mode == AlphaMode::kBlend) return {alpha, textures_.data(info, TextureChannel::kAlpha)};
+  const float cutoff = material.number_or("alphaCutoff", 0.5f);
+  if (!info.exists()) return alpha >= cutoff ? 1.0f : 0.0f;
+  return {1, textures_.converted(info, TextureChannel::kAlpha, fmt::format("mask {} {}", alpha, cutoff),
+                                 [&](float value) { return value * alpha >= cutoff ? 1.0f : 0.0f; })};
+}
+
+Principled Materials::principled(const Value& material) {
+  Principled model;
+  model.base_color = base_color(material);
+  const Value ior = material.extension("KHR_materials_ior");
+  if (const float index = ior.number_or("ior", 1.5f); index > 0) {
+    model.specular_ior = std::clamp(index, 1.0f, kMaxIor);
+  } else {
+    model.specular_ior = kMaxIor;
+    document_.warn(ior, "infinite index", fmt::format("an infinite index of refraction becomes {}", kMaxIor));
+  }
+  const Value glossiness = material.extension("KHR_materials_pbrSpecularGlossiness");
+  if (glossiness.exists())
+    add_specular_glossiness(glossiness, model);
+  else
+    add_metallic_roughness(material["pbrMetallicRoughness"], model);
+  add_specular(material.extension("KHR_materials_specular"), model);
+  add_transmission(material, model);
+  add_anisotropy(material.extension("KHR_materials_anisotropy"), model);
+  add_coat(material.extension("KHR_materials_clearcoat"), model);
+  add_sheen(material.extension("KHR_materials_sheen"), model);
+  add_iridescence(material.extension("KHR_materials_iridescence"), model);
+  return model;
+}
+
+void Materials::add_metallic_roughness(const Value& place, Principled& model) {
+  const Value info = place["metallicRoughnessTexture"];
+  model.base_metalness = share(place, "metallicFactor", 1, textures_.data(info, TextureChannel::kBlue));
+  model.specular_roughness = share(place, "roughnessFactor", 1, textures_.data(info, TextureChannel::kGreen));
+}
+
+// The extension is older than KHR_materials_specular, which replaced it.
+void Materials::add_specular_glossiness(const Value& extension, Principled& model) {
+  document_.warn(extension, "specular glossiness",
+                 "specular-glossiness is approximated by a dielectric of the specular factor's reflectance");
+  const Value info = extension["specularGlossinessTexture"];
+  const Rgb specular = clamped(extension, extension.color_or("specularFactor", Rgb::gray(1)));
+  const float strongest = max_component(specular);
+  model.specular_ior = ior_of_reflectance(strongest);
+  model.specular_color = {strongest > 0 ? specular / strongest : Rgb{}, textures_.color(info)};
+  const float gloss = std::clamp(extension.number_or("glossinessFactor", 1), 0.0f, 1.0f);
+  const int roughness = textures_.converted(info, TextureChannel::kAlpha, fmt::format("gloss {}", gloss),
+                                            [&](float value) { return 1 - gloss * value; });
+  model.specular_roughness = roughness < 0 ? ScalarParameter(1 - gloss) : ScalarParameter(1, roughness);
+}
+
+void Materials::add_specular(const Value& extension, Principled& model) {
+  const bool is_metal = model.base_metalness.texture < 0 && model.base_metalness.value >= 1;
+  if (!extension.exists() || is_metal) return;  // metals do not depend on it
+  model.specular_weight = share(extension, "specularFactor", 1,
+                                textures_.data(extension["specularTexture"], TextureChannel::kAlpha));
+  model.specular_color = tint(extension, "specularColorFactor", Rgb::gray(1),
+                              textures_.color(extension["specularColorTexture"]));
+  if (model.base_metalness.value > 0)
+    document_.warn(extension, "specular of metal", "the specular factor also changes the metallic part");
+}
+
+void Materials::add_transmission(const Value& material, Principled& model) {
+  const Value extension = material.extension("KHR_materials_transmission");
+  const Value volume = material.extension("KHR_materials_volume");
+  if (!(extension.number_or("transmissionFactor", 0) > 0)) return;
+  model.transmission_weight = share(extension, "transmissionFactor", 0,
+                                    textures_.data(extension["transmissionTexture"], TextureChannel::kRed));
+  model.geometry_thin_walled = !(volume.number_or("thicknessFactor", 0) > 0);
+  model.transmission_color = model.base_color;
+  const float distance = volume.number_or("attenuationDistance", 0);
+  const Rgb color = clamped(volume, volume.color_or("attenuationColor", Rgb::gray(1)));
+  if (!model.geometry_thin_walled && distance > 0 && !(color == Rgb::gray(1))) {
+    if (!is_constant_white(model.base_color))
+      document_.warn(material, "tinted volume",
+                     "the base colour does not tint what a volume with attenuation transmits");
+    model.transmission_color = {color};
+    model.transmission_depth = distance;
+  }
+  const Value dispersion = material.extension("KHR_materials_dispersion");
+  if (dispersion.number_or("dispersion", 0) > 0)
+    document_.warn(dispersion, "dispersion", "dispersion is not supported; all colours are refracted alike");
+}
+
+// glTF gives the roughness along the direction as mix(alpha, 1, strength^2), and alpha across it; OpenPBR
+// 1.1 (section "Microfacet model") the ratio 1 - anisotropy of both, at a mean square that stays.
+void Materials::add_anisotropy(const Value& extension, Principled& model) {
+  const float strength = std::clamp(extension.number_or("anisotropyStrength", 0), 0.0f, 1.0f);
+  if (!(strength > 0)) return;
+  const float alpha = std::max(model.specular_roughness.value * model.specular_roughness.value, 1e-3f);
+  const float along = alpha + (1 - alpha) * strength * strength, ratio = alpha / along;
+  model.specular_roughness_anisotropy = 1 - ratio;
+  model.specular_roughness.value = std::sqrt(along / std::sqrt(2 / (1 + ratio * ratio)));
+  model.specular_roughness.value = std::min(model.specular_roughness.value, 1.0f);
+  if (model.specular_roughness.texture >= 0 || extension["anisotropyTexture"].exists())
+    document_.warn(
+        extension, "anisotropy texture",
+        "anisotropy is computed for the roughness factor; its texture's direction and strength are "
+        "ignored");
+  if (extension.number_or("anisotropyRotation", 0) != 0)
+    document_.warn(extension, "anisotropy rotation",
+                   "the direction of anisotropy is that of growing u; its rotation is ignored");
+}
+
+void Materials::add_coat(const Value& extension, Principled& model) {
+  if (!(extension.number_or("clearcoatFactor", 0) > 0)) return;
+  model.coat_weight = share(extension, "clearcoatFactor", 0,
+                            textures_.data(extension["clearcoatTexture"], TextureChannel::kRed));
+  model.coat_roughness =
+      share(extension, "clearcoatRoughnessFactor", 0,
+            textures_.data(extension["clearcoatRoughnessTexture"], TextureChannel::kGreen));
+  model.coat_ior = 1.5f;
+  model.coat_darkening = 0;
+  if (extension["clearcoatNormalTexture"].exists())
+    document_.warn(extension, "coat normal", "the coat has the normal map of the base; its own is ignored");
+}
+
+void Materials::add_sheen(const Value& extension, Principled& model) {
+  const Rgb color = clamped(extension, extension.color_or("sheenColorFactor", Rgb{}));
+  const float strongest = max_component(color);
+  if (!(strongest > 0)) return;
+  model.fuzz_weight = strongest;
+  model.fuzz_color = {color / strongest, textures_.color(extension["sheenColorTexture"])};
+  model.fuzz_roughness = share(extension, "sheenRoughnessFactor", 0,
+                               textures_.data(extension["sheenRoughnessTexture"], TextureChannel::kAlpha));
+  document_.warn(extension, "sheen", "sheen is approximated by OpenPBR's fuzz");
+}
+
+void Materials::add_iridescence(const Value& extension, Principled& model) {
+  if (!(extension.number_or("iridescenceFactor", 0) > 0)) return;
+  model.thin_film_weight = share(extension, "iridescenceFactor", 0,
+                                 textures_.data(extension["iridescenceTexture"], TextureChannel::kRed));
+  model.thin_film_ior = std::clamp(extension.number_or("iridescenceIor", 1.3f), 1.0f, kMaxIor);
+  constexpr float kMicrometres = 1e-3f;  // per nanometre
+  const float least = std::max(extension.number_or("iridescenceThicknessMinimum", 100), 0.0f);
+  const float most = std::max(extension.number_or("iridescenceThicknessMaximum", 400), 0.0f);
+  const float thickest = std::max(least, most);
+  const int texture = textures_.converted(
+      extension["iridescenceThicknessTexture"], TextureChannel::kGreen,
+      fmt::format("film {} {}", least, most),
+      [&](float value) { return thickest > 0 ? (least + (most - least) * value) / thickest : 0; });
+  model.thin_film_thickness =
+      texture < 0 ? ScalarParameter(most * kMicrometres) : ScalarParameter(thickest * kMicrometres, texture);
+}
+
+ScalarParameter Materials::share(const Value& place, std::string_view key, float otherwise,
+                                 int texture) const {
+  const float value = place.number_or(key, otherwise), kept = std::clamp(value, 0.0f, 1.0f);
+  if (kept != value)
+    document_.warn(place[key], "range", fmt::format("must be between 0 and 1; it becomes {}", kept));
+  return {kept, texture};
+}
+
+Rgb Materials::clamped(const Value& place, Rgb color) const {
+  const auto clamp = [](float value) { return std::clamp(value, 0.0f, 1.0f); };
+  const Rgb kept{clamp(color.r), clamp(color.g), clamp(color.b)};
+  if (!(kept == color)) document_.warn(place, "range", "colours must be between 0 and 1; they are clamped");
+  return kept;
+}
+
+ColorParameter Materials::tint(const Value& place, std::string_view key, Rgb otherwise, int texture) const {
+  return {clamped(place[key], place.color_or(key, otherwise)), texture};
+}
+
+}  // namespace tessera::core::gltf

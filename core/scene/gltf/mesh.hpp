@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Meshes of a glTF file as triangles, with their morph targets and skin applied. Not thread-safe; functions
+// throw Refusals.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/math/transform.hpp"
+#include "core/scene/description.hpp"
+#include "core/scene/gltf/accessor.hpp"
+#include "core/scene/gltf/buffers.hpp"
+#include "core/scene/gltf/document.hpp"
+#include "core/scene/gltf/draco.hpp"
+#include "core/scene/gltf/nodes.hpp"
+
+namespace tessera::core::gltf {
+
+// One primitive of a mesh.
+struct Part {
+  Value primitive;
+  // Without materials. In the space of the mesh, or of the world if a skin has placed it.
+  MeshDescription mesh;
+  bool has_transparent_colors = false;  // vertex colours have alpha below 1
+};
+
+// Where a skin's joints move vertices: one map for each joint, from the mesh at rest to the world.
+using JointMaps = std::vector<Transform>;
+JointMaps read_skin(const Value& skin, const Document& document, Accessors& accessors,
+                    const std::vector<Node>& nodes);
+
+// The joints and weights of vertices: JOINTS_n and WEIGHTS_n.
+struct Influences {
+  Accessor joints, weights;
+};
+
+class MeshReader {
+ public:
+  MeshReader(const Document& document, Buffers& buffers, Accessors& accessors)
+      : document_(document), buffers_(buffers), accessors_(accessors) {}
+
+  // A primitive's triangles; nullopt if it has none, with a warning. `weights` are those of morph targets,
+  // and may be empty; `joints` is null without a skin.
+  std::optional<Part> read(const Value& primitive, std::uint32_t uv_set, const std::vector<float>& weights,
+                           const JointMaps* joints);
+
+ private:
+  using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+  // What the parts of a primitive are read from.
+  struct Source {
+    Value primitive;
+    std::optional<DracoMesh> draco;
+    std::size_t vertices = 0;         // of every attribute
+    std::vector<std::uint32_t> used;  // the vertices that triangles use
+  };
+
+  // Warns if not.
+  bool has_area(const Value& primitive) const;
+  Source open(const Value& primitive) const;
+  // With at least `components` of each of the vertices; nullopt if there is no such attribute.
+  std::optional<Accessor> attribute(const Source& source, const std::string& name, std::size_t components,
+                                    bool or_four = false) const;
+  Triangles triangles_of(Source& source) const;
+  Triangles stored_triangles(const Source& source) const;
+  void check_triangles(const Value& primitive, std::uint64_t count) const;
+  void read_attributes(Part& part, const Source& source, std::uint32_t uv_set) const;
+  std::vector<Influences> influences_of(const Source& source) const;
+  void apply_morph_targets(MeshDescription& mesh, const Source& source,
+                           const std::vector<float>& weights) const;
+
+  const Document& document_;
+  Buffers& buffers_;
+  Accessors& accessors_;
+};
+
+}  // namespace tessera::core::gltf

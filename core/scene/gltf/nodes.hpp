@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// The nodes of a glTF file as a forest, placed as they are at rest, or where the first animation has them at
+// its beginning. Functions throw Refusals: of nodes that form cycles or have two parents.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/math/transform.hpp"
+#include "core/scene/gltf/accessor.hpp"
+#include "core/scene/gltf/document.hpp"
+
+namespace tessera::core::gltf {
+
+struct Node {
+  Value value;
+  std::vector<std::uint32_t> children;
+  bool has_parent = false;
+  Transform to_world;
+  std::vector<float> weights;  // of morph targets, where this node has its own
+};
+
+// All nodes of the file; index i is nodes[i].
+std::vector<Node> read_nodes(const Document& document, Accessors& accessors);
+
+// The visible nodes of the default scene (KHR_node_visibility), in the order of a walk from its first node
+// down. If the file has no scene, all nodes.
+std::vector<std::uint32_t> nodes_of_scene(const Document& document, const std::vector<Node>& nodes);
+
+// The map of a translation, a rotation (a quaternion x, y, z, w of any length) and a scale.
+Transform placed(Vec3 translation, const std::vector<float>& rotation, Vec3 scale);
+
+// "nodes[3] (Helmet)"
+std::string name_of(const Value& value);
+
+}  // namespace tessera::core::gltf

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Textures of a glTF file: images in files, buffers and data URIs, with their samplers and
+// KHR_texture_transform. Not thread-safe; functions throw Refusals.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "core/scene/gltf/buffers.hpp"
+#include "core/scene/gltf/document.hpp"
+#include "core/scene/import/scene_builder.hpp"
+#include "core/textures/texture.hpp"
+
+namespace tessera::core::gltf {
+
+class Textures {
+ public:
+  // Converts a channel's value, from 0 to 1, to another in that range.
+  using Curve = std::function<float(float)>;
+
+  Textures(const Document& document, Buffers& buffers) : document_(document), buffers_(buffers) {}
+
+  // The scene's texture of a textureInfo; -1 if it is absent, or its image cannot be read, with a warning.
+  int color(const Value& info) { return add(info, {ColorSpace::kSrgb, TextureChannel::kColor}); }
+  int data(const Value& info, TextureChannel channel) { return add(info, {ColorSpace::kLinear, channel}); }
+  // A texture of the converted values of one channel. `name` distinguishes curves.
+  int converted(const Value& info, TextureChannel channel, const std::string& name, const Curve& curve);
+
+  // The set of texture coordinates that a textureInfo uses.
+  static std::uint32_t uv_set(const Value& info);
+
+ private:
+  int add(const Value& info, const ImageUse& use);
+  std::optional<SceneBuilder::Image> image(const Value& info, const ImageUse& use);
+  Value image_of(const Value& texture) const;
+  Result<SceneBuilder::Image> decode(const Value& image, const ImageUse& use);
+  Texture with_sampler(const Value& info, SceneBuilder::Image image) const;
+
+  const Document& document_;
+  Buffers& buffers_;
+  std::map<std::string, SceneBuilder::Image> converted_;  // by the path of the image, channel and curve
+};
+
+}  // namespace tessera::core::gltf

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/gltf/uri.hpp"
+
+#include <array>
+#include <cstdint>
+
+namespace tessera::core::gltf {
+namespace {
+
+constexpr std::uint8_t kNoDigit = 64;
+
+// The values of base64's digits (Josefsson 2006, tables 1 and 2).
+constexpr std::array<std::uint8_t, 256> kBase64 = [] {
+  std::array<std::uint8_t, 256> values{};
+  values.fill(kNoDigit);
+  std::uint8_t next = 0;
+  for (char c = 'A'; c <= 'Z'; ++c) values[static_cast<unsigned char>(c)] = next++;
+  for (char c = 'a'; c <= 'z'; ++c) values[static_cast<unsigned char>(c)] = next++;
+  for (char c = '0'; c <= '9'; ++c) values[static_cast<unsigned char>(c)] = next++;
+  values['+'] = values['-'] = 62;
+  values['/'] = values['_'] = 63;
+  return values;
+}();
+
+std::optional<std::string> decode_base64(std::string_view text) {
+  text = text.substr(0, text.find_last_not_of('=') + 1);
+  std::string bytes;
+  bytes.reserve(text.size() / 4 * 3 + 3);
+  std::uint32_t bits = 0;
+  int bit_count = 0;
+  for (const char c : text) {
+    const std::uint8_t digit = kBase64[static_cast<unsigned char>(c)];
+    if (digit == kNoDigit) return std::nullopt;
+    bits = (bits << 6 | digit) & 0xffff;
+    bit_count += 6;
+    if (bit_count < 8) continue;
+    bit_count -= 8;
+    bytes.push_back(static_cast<char>(bits >> bit_count & 0xff));
+  }
+  return bytes;
+}
+
+int hexadecimal(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+}  // namespace
+
+std::optional<std::string> decode_data_uri(std::string_view uri) {
+  const std::size_t comma = uri.find(',');
+  if (!is_data_uri(uri) || comma == std::string_view::npos) return std::nullopt;
+  const std::string_view data = uri.substr(comma + 1);
+  return uri.substr(0, comma).ends_with(";base64") ? decode_base64(data) : decode_percent(data);
+}
+
+std::string decode_percent(std::string_view text) {
+  std::string bytes;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const int high = text[i] == '%' && text.size() - i > 2 ? hexadecimal(text[i + 1]) : -1;
+    const int low = high < 0 ? -1 : hexadecimal(text[i + 2]);
+    if (low >= 0) i += 2;
+    bytes.push_back(low < 0 ? text[i] : static_cast<char>(16 * high + low));
+  }
+  return bytes;
+}
+
+bool has_scheme(std::string_view uri) {
+  return uri.find("://") != std::string_view::npos || uri.starts_with("file:");
+}
+
+}  // namespace tessera::core::gltf

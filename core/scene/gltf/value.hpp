@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// A value of a glTF file's JSON with its place in the file, and checked access to it. Within this folder a
+// file that cannot be read is a Refusal, which is thrown; read_gltf_scene() returns it as an Error. Values
+// are cheap to copy and valid as long as their document.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/math/rgb.hpp"
+#include "core/math/vec3.hpp"
+#include "core/scene/loader/json_document.hpp"
+
+namespace tessera::core::gltf {
+
+struct Refusal {
+  int line = 0;  // in the JSON; 0: no line applies
+  Error error;
+  bool names_file = false;  // whether the error's message begins with the file's name
+};
+
+class Value {
+ public:
+  Value() = default;  // absent
+  Value(const JsonValue* json, std::string path) : json_(json), path_(std::move(path)) {}
+
+  // Members that are absent or null are absent values.
+  bool exists() const { return json_ != nullptr; }
+  int line() const { return json_ == nullptr ? 0 : json_->line; }
+  // As in "meshes[3].primitives[0].material".
+  const std::string& path() const { return path_; }
+  // Throws a Refusal: "PATH: WHAT".
+  [[noreturn]] void refuse(std::string_view what, ErrorCode code = ErrorCode::kInvalidArgument) const;
+
+  // The member of an object; absent in anything else.
+  Value operator[](std::string_view key) const;
+  // The length of a list; 0 of anything else.
+  std::size_t size() const;
+  Value at(std::size_t i) const;  // i < size()
+  std::vector<std::string> keys() const;
+
+  // The value itself. Refused if it is something else, or too large.
+  float number() const;
+  std::uint64_t whole() const;
+
+  // Members. `otherwise` if they are absent; refused if they are something else.
+  float number_or(std::string_view key, float otherwise) const;
+  std::uint64_t whole_or(std::string_view key, std::uint64_t otherwise) const;
+  bool is_true(std::string_view key) const;
+  Rgb color_or(std::string_view key, Rgb otherwise) const;
+  Vec3 vector_or(std::string_view key, Vec3 otherwise) const;
+  // A list of `count` numbers; empty if the member is absent.
+  std::vector<float> numbers(std::string_view key, std::size_t count) const;
+  // Empty if it is absent or no text.
+  std::string text(std::string_view key) const;
+
+  Value extension(std::string_view name) const { return (*this)["extensions"][name]; }
+
+ private:
+  const JsonValue* json_ = nullptr;
+  std::string path_;
+};
+
+}  // namespace tessera::core::gltf
