@@ -1,0 +1,620 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/pbrt/interpreter.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/scene/loader/gunzip.hpp"
+#include "core/scene/loader/wording.hpp"
+#include "core/scene/pbrt/files.hpp"
+
+namespace tessera::core::pbrt {
+namespace {
+
+constexpr int kMaxIncludeDepth = 32;
+constexpr std::uint64_t kMaxFiles = 10'000;
+constexpr std::size_t kMaxSavedStates = 10'000, kMaxDefaults = 1000;  // values
+
+// A list of defaults with those of `more`, which come later.
+std::shared_ptr<const Parameters> joined(const std::shared_ptr<const Parameters>& earlier,
+                                         const Parameters& more) {
+  Parameters all = earlier ? *earlier : Parameters(more.place());
+  for (const Parameter& parameter : more.list()) all.add(parameter);
+  return std::make_shared<const Parameters>(std::move(all));
+}
+
+// Of all parameters in the list, with one for each parameter itself.
+std::size_t count_values(const Parameters& parameters) {
+  std::size_t count = 0;
+  for (const Parameter& parameter : parameters.list()) count += 1 + parameter.size();
+  return count;
+}
+
+}  // namespace
+
+Interpreter::Handler Interpreter::handler_of(std::string_view directive) {
+  using I = Interpreter;
+  static constexpr std::pair<std::string_view, Handler> kDirectives[] = {
+      {"Accelerator", &I::accelerator},
+      {"ActiveTransform", &I::active_transform},
+      {"AreaLightSource", &I::area_light_source},
+      {"Attribute", &I::attribute},
+      {"AttributeBegin", &I::attribute_begin},
+      {"AttributeEnd", &I::attribute_end},
+      {"Camera", &I::camera},
+      {"ColorSpace", &I::color_space},
+      {"ConcatTransform", &I::concat_transform},
+      {"CoordSysTransform", &I::coord_sys_transform},
+      {"CoordinateSystem", &I::coordinate_system},
+      {"Film", &I::film},
+      {"Identity", &I::identity},
+      {"Integrator", &I::integrator},
+      {"LightSource", &I::light_source},
+      {"LookAt", &I::look_at_directive},
+      {"MakeNamedMaterial", &I::make_named_material},
+      {"MakeNamedMedium", &I::make_named_medium},
+      {"Material", &I::material},
+      {"MediumInterface", &I::medium_interface},
+      {"NamedMaterial", &I::named_material},
+      {"ObjectBegin", &I::object_begin},
+      {"ObjectEnd", &I::object_end},
+      {"ObjectInstance", &I::object_instance},
+      {"Option", &I::option},
+      {"PixelFilter", &I::pixel_filter},
+      {"ReverseOrientation", &I::reverse_orientation},
+      {"Rotate", &I::rotate_directive},
+      {"Sampler", &I::sampler},
+      {"Scale", &I::scale_directive},
+      {"Shape", &I::shape},
+      {"SurfaceIntegrator", &I::integrator},
+      {"Texture", &I::texture},
+      {"Transform", &I::transform_directive},
+      {"TransformBegin", &I::transform_begin},
+      {"TransformEnd", &I::transform_end},
+      {"TransformTimes", &I::transform_times},
+      {"Translate", &I::translate_directive},
+      {"WorldBegin", &I::world_begin},
+      {"WorldEnd", &I::world_end},
+  };
+  for (const auto& [name, handler] : kDirectives)
+    if (name == directive) return handler;
+  return nullptr;
+}
+
+Status Interpreter::run() {
+  if (auto read = run_file({}, builder_.scene_path(), 0); !read) return read;
+  if (!in_world_)
+    if (auto started = start_world(); !started) return started;
+  return lights_.finish();
+}
+
+Status Interpreter::run_file(const Place& from, const std::string& path, int depth) {
+  auto bytes = builder_.read(path);
+  if (!bytes) return from.file ? report_.error(from, bytes.error().message) : fail(bytes.error());
+  if (is_gzip(*bytes)) {
+    bytes = gunzip(*bytes);
+    if (!bytes) return fail(bytes.error().code, fmt::format("{} {}", in_quotes(path), bytes.error().message));
+  }
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  std::string_view text = *bytes;
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  File file{std::make_shared<const std::string>(path), Tokenizer(text)};
+  return run_directives(file, depth);
+}
+
+Status Interpreter::run_directives(File& file, int depth) {
+  while (true) {
+    const auto token = file.tokens.next();
+    file.line = file.tokens.line();
+    if (!token) return at(file, token.error());
+    if (token->is(Token::Kind::kEnd)) return {};
+    file.line = token->line;
+    if (!token->is(Token::Kind::kWord))
+      return report_.error(place(file), fmt::format("expected a directive, got {}", in_quotes(token->text)));
+    Status done;
+    if (token->text == "Include" || token->text == "Import") {
+      done = include(file, depth, token->text == "Include");
+    } else if (const Handler handler = handler_of(token->text)) {
+      done = (this->*handler)(file);
+    } else {
+      return report_.error(place(file), fmt::format("the directive {} is not known", in_quotes(token->text)));
+    }
+    if (!done) return done;
+  }
+}
+
+// What an imported file changes ends with it, but for what it names.
+Status Interpreter::include(File& file, int depth, bool keeps_state) {
+  const auto name = text(file);
+  if (!name) return fail(name.error());
+  if (depth >= kMaxIncludeDepth)
+    return report_.error(place(file),
+                         fmt::format("files include each other more than {} deep", kMaxIncludeDepth));
+  if (++files_ > kMaxFiles)
+    return report_.error(place(file), fmt::format("more than {} files are included", kMaxFiles));
+  const auto path = find_file(builder_, place(file), *name);
+  if (!path)
+    return fail(ErrorCode::kNotFound, fmt::format("{}:{}: the file {} does not exist",
+                                                  builder_.shown(*file.path), file.line, in_quotes(*name)));
+  const GraphicsState before = state_;
+  if (auto done = run_file(place(file), *path, depth + 1); !done) return done;
+  if (keeps_state) return {};
+  state_ = before;
+  colors_.set_space(state_.color_space);
+  return {};
+}
+
+tl::unexpected<Error> Interpreter::at(const File& file, const Error& error) const {
+  return fail(error.within(fmt::format("{}:{}", builder_.shown(*file.path), file.line)));
+}
+
+Result<std::string> Interpreter::text(File& file) {
+  const auto token = file.tokens.next();
+  if (!token) return at(file, token.error());
+  if (token->is(Token::Kind::kString)) return token->value();
+  return report_.error(place(file),
+                       fmt::format("expected a name in double quotes, got {}", in_quotes(token->text)));
+}
+
+Result<std::vector<float>> Interpreter::numbers(File& file, std::size_t count) {
+  std::vector<float> values;
+  auto token = file.tokens.peek();
+  const bool in_brackets = token && token->is(Token::Kind::kOpen);
+  if (in_brackets) token = file.tokens.next();
+  while (values.size() < count) {
+    token = file.tokens.next();
+    if (!token) return at(file, token.error());
+    const auto number = token->is(Token::Kind::kWord) ? parse_number(token->text) : std::nullopt;
+    if (!number)
+      return report_.error(place(file),
+                           fmt::format("expected {} numbers, got {}", count, in_quotes(token->text)));
+    values.push_back(*number);
+  }
+  if (!in_brackets) return values;
+  token = file.tokens.next();
+  if (!token) return at(file, token.error());
+  if (!token->is(Token::Kind::kClose))
+    return report_.error(place(file),
+                         fmt::format("expected ']' after {} numbers, got {}", count, in_quotes(token->text)));
+  return values;
+}
+
+Result<Parameters> Interpreter::parameters(File& file) {
+  auto parsed = parse_parameters(file.tokens, place(file));
+  if (parsed) return parsed;
+  file.line = file.tokens.line();
+  return at(file, parsed.error());
+}
+
+Result<Parameters> Interpreter::parameters(File& file, AttributeTarget target) {
+  auto parsed = parameters(file);
+  if (parsed) parsed->set_defaults(state_.defaults_of(target));
+  return parsed;
+}
+
+Result<KindAndParameters> Interpreter::kind_and_parameters(File& file) {
+  auto kind = text(file);
+  if (!kind) return fail(kind.error());
+  auto given = parameters(file);
+  if (!given) return fail(given.error());
+  return KindAndParameters{std::move(*kind), std::move(*given)};
+}
+
+Status Interpreter::read_setting(File& file, std::optional<KindAndParameters>& setting) {
+  auto read = kind_and_parameters(file);
+  if (!read) return fail(read.error());
+  if (in_world_) report_.warn(place(file), "a setting of the render after WorldBegin has no effect");
+  setting = std::move(*read);
+  return {};
+}
+
+// --- Before WorldBegin
+
+Status Interpreter::accelerator(File& file) {
+  if (const auto read = kind_and_parameters(file); !read) return fail(read.error());
+  return {};
+}
+
+Status Interpreter::camera(File& file) {
+  if (auto read = read_setting(file, view_.camera); !read) return read;
+  const auto world_from_camera = inverse(state_.transform);
+  if (!world_from_camera)
+    return report_.error(place(file), "the transformation of the camera has no inverse");
+  if (in_world_) return {};
+  view_.world_from_camera = *world_from_camera;
+  coordinate_systems_["camera"] = *world_from_camera;
+  camera_medium_ = state_.outside_medium;
+  camera_medium_place_ = place(file);
+  return {};
+}
+
+Status Interpreter::film(File& file) {
+  return read_setting(file, view_.film);
+}
+Status Interpreter::integrator(File& file) {
+  return read_setting(file, view_.integrator);
+}
+Status Interpreter::pixel_filter(File& file) {
+  return read_setting(file, view_.filter);
+}
+Status Interpreter::sampler(File& file) {
+  return read_setting(file, view_.sampler);
+}
+
+// Options have a name and a value, as parameters.
+Status Interpreter::option(File& file) {
+  const auto given = parameters(file);
+  if (!given) return fail(given.error());
+  // What does not change the mean of the image.
+  for (const char* known :
+       {"disablepixeljitter", "disabletexturefiltering", "disablewavelengthjitter", "msereferenceimage",
+        "msereferenceout", "rendercoordsys", "pixelstats", "wavefront", "displacementedgescale"})
+    given->find(known);
+  if (const auto seed = given->integer("seed"))
+    builder_.scene().settings.seed = static_cast<std::uint64_t>(std::max(*seed, 0));
+  report_.warn_unused(*given, "the options");
+  return {};
+}
+
+Status Interpreter::color_space(File& file) {
+  const auto name = text(file);
+  if (!name) return fail(name.error());
+  if (colors_.set_space(*name)) {
+    state_.color_space = *name;
+  } else {
+    report_.warn(place(file), fmt::format("the colour space {} is not known; {} remains", in_quotes(*name),
+                                          in_quotes(colors_.space())));
+  }
+  return {};
+}
+
+Status Interpreter::world_begin(File& file) {
+  if (in_world_) return report_.error(place(file), "WorldBegin appears twice");
+  state_.transform = Matrix();
+  coordinate_systems_["world"] = Matrix();
+  return start_world();
+}
+
+Status Interpreter::start_world() {
+  in_world_ = true;
+  // The defaults of directives that are not given name the scene file.
+  if (!view_.camera)
+    view_.camera = KindAndParameters{
+        "perspective", Parameters({std::make_shared<const std::string>(builder_.scene_path()), 0})};
+  const Exposure exposure = convert_view(view_, builder_, report_);
+  lights_.set_exposure(exposure);
+  media_.set_exposure(exposure);
+  if (camera_medium_place_)
+    builder_.scene().camera_medium = media_.find(camera_medium_, *camera_medium_place_);
+  return {};
+}
+
+// Version 3 ended the world.
+Status Interpreter::world_end(File&) {
+  return {};
+}
+
+// --- State
+
+Status Interpreter::push_state(const File& file, bool is_attribute) {
+  if (saved_.size() >= kMaxSavedStates)
+    return report_.error(place(file),
+                         fmt::format("attributes are nested more than {} deep", kMaxSavedStates));
+  saved_.push_back({state_, is_attribute});
+  return {};
+}
+
+Status Interpreter::pop_state(const File& file, bool is_attribute) {
+  if (saved_.empty() || saved_.back().is_attribute != is_attribute)
+    return report_.error(place(file), "an end of attributes, transformations or objects has no begin");
+  GraphicsState& saved = saved_.back().state;
+  if (is_attribute) {
+    state_ = std::move(saved);
+    colors_.set_space(state_.color_space);
+  } else {
+    state_.transform = saved.transform;
+    state_.is_start_active = saved.is_start_active;
+  }
+  saved_.pop_back();
+  return {};
+}
+
+Status Interpreter::attribute_begin(File& file) {
+  return push_state(file, true);
+}
+Status Interpreter::attribute_end(File& file) {
+  return pop_state(file, true);
+}
+Status Interpreter::transform_begin(File& file) {
+  return push_state(file, false);
+}
+Status Interpreter::transform_end(File& file) {
+  return pop_state(file, false);
+}
+
+Status Interpreter::attribute(File& file) {
+  const auto name = text(file);
+  if (!name) return fail(name.error());
+  const auto given = parameters(file);
+  if (!given) return fail(given.error());
+  const auto target = attribute_target(*name);
+  if (!target)
+    return report_.error(place(file), fmt::format("the attributes of {} are not known", in_quotes(*name)));
+  auto& defaults = state_.defaults[static_cast<std::size_t>(*target)];
+  if ((defaults ? count_values(*defaults) : 0) + count_values(*given) > kMaxDefaults)
+    return report_.error(place(file),
+                         fmt::format("there are more than {} values of default parameters", kMaxDefaults));
+  defaults = joined(defaults, *given);
+  return {};
+}
+
+Status Interpreter::reverse_orientation(File&) {
+  state_.reverse_orientation = !state_.reverse_orientation;
+  return {};
+}
+
+// --- Transformations
+
+void Interpreter::set_transform(const Matrix& matrix) {
+  if (state_.is_start_active) state_.transform = matrix;
+}
+
+void Interpreter::apply(const Matrix& matrix) {
+  set_transform(state_.transform * matrix);
+}
+
+Status Interpreter::active_transform(File& file) {
+  const auto token = file.tokens.next();
+  if (!token) return at(file, token.error());
+  if (token->text != "All" && token->text != "StartTime" && token->text != "EndTime")
+    return report_.error(place(file),
+                         fmt::format("expected All, StartTime or EndTime, got {}", in_quotes(token->text)));
+  state_.is_start_active = token->text != "EndTime";
+  if (token->text != "All")
+    report_.warn(place(file),
+                 "motion blur is not supported; the scene is that of the start of the shutter interval");
+  return {};
+}
+
+Status Interpreter::transform_times(File& file) {
+  if (const auto times = numbers(file, 2); !times) return fail(times.error());
+  return {};
+}
+
+// Sixteen numbers, column by column.
+Result<Matrix> Interpreter::matrix_argument(File& file) {
+  const auto given = numbers(file, 16);
+  if (!given) return fail(given.error());
+  const std::vector<float>& m = *given;
+  Matrix matrix;
+  for (std::size_t row = 0; row < 3; ++row)
+    for (std::size_t column = 0; column < 4; ++column)
+      matrix.rows[row][column] = static_cast<double>(m[4 * column + row]);
+  if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
+    report_.warn(place(file), "the fourth row of a transformation is not 0 0 0 1; it is ignored");
+  return matrix;
+}
+
+Status Interpreter::transform_directive(File& file) {
+  const auto matrix = matrix_argument(file);
+  if (!matrix) return fail(matrix.error());
+  set_transform(*matrix);
+  return {};
+}
+
+Status Interpreter::concat_transform(File& file) {
+  const auto matrix = matrix_argument(file);
+  if (!matrix) return fail(matrix.error());
+  apply(*matrix);
+  return {};
+}
+
+Status Interpreter::identity(File&) {
+  set_transform(Matrix());
+  return {};
+}
+
+Status Interpreter::translate_directive(File& file) {
+  const auto v = numbers(file, 3);
+  if (!v) return fail(v.error());
+  apply(translate(static_cast<double>((*v)[0]), static_cast<double>((*v)[1]), static_cast<double>((*v)[2])));
+  return {};
+}
+
+Status Interpreter::scale_directive(File& file) {
+  const auto v = numbers(file, 3);
+  if (!v) return fail(v.error());
+  apply(scale(static_cast<double>((*v)[0]), static_cast<double>((*v)[1]), static_cast<double>((*v)[2])));
+  return {};
+}
+
+Status Interpreter::rotate_directive(File& file) {
+  const auto v = numbers(file, 4);
+  if (!v) return fail(v.error());
+  apply(rotate(static_cast<double>((*v)[0]), {(*v)[1], (*v)[2], (*v)[3]}));
+  return {};
+}
+
+Status Interpreter::look_at_directive(File& file) {
+  const auto v = numbers(file, 9);
+  if (!v) return fail(v.error());
+  const std::vector<float>& n = *v;
+  const auto camera_from_world = look_at({n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]});
+  if (!camera_from_world)
+    return report_.error(place(file),
+                         "LookAt needs two different points and a vector that is not parallel to their line");
+  apply(*camera_from_world);
+  return {};
+}
+
+Status Interpreter::coordinate_system(File& file) {
+  auto name = text(file);
+  if (!name) return fail(name.error());
+  coordinate_systems_[std::move(*name)] = state_.transform;
+  return {};
+}
+
+Status Interpreter::coord_sys_transform(File& file) {
+  const auto name = text(file);
+  if (!name) return fail(name.error());
+  const auto known = coordinate_systems_.find(*name);
+  if (known == coordinate_systems_.end()) {
+    report_.warn(place(file), fmt::format("the coordinate system {} is not known; the transformation stays",
+                                          in_quotes(*name)));
+    return {};
+  }
+  set_transform(known->second);
+  return {};
+}
+
+// --- Materials, textures, media
+
+Status Interpreter::material(File& file) {
+  const auto type = text(file);
+  if (!type) return fail(type.error());
+  const auto given = parameters(file, AttributeTarget::kMaterial);
+  if (!given) return fail(given.error());
+  const auto index = materials_.add(*type, *given);
+  if (!index) return fail(index.error());
+  state_.material = *index;
+  return {};
+}
+
+Status Interpreter::make_named_material(File& file) {
+  const auto name = text(file);
+  if (!name) return fail(name.error());
+  const auto given = parameters(file, AttributeTarget::kMaterial);
+  if (!given) return fail(given.error());
+  const auto index = materials_.add(given->text("type"), *given);
+  if (!index) return fail(index.error());
+  materials_.set_name(*name, *index);
+  return {};
+}
+
+Status Interpreter::named_material(File& file) {
+  const auto name = text(file);
+  if (!name) return fail(name.error());
+  state_.material = materials_.find(*name);
+  if (!state_.material)
+    report_.warn(place(file), "unknown material",
+                 fmt::format("there is no material {} yet; gray is used", in_quotes(*name)));
+  return {};
+}
+
+Status Interpreter::texture(File& file) {
+  std::array<std::string, 3> words;  // name, type, kind
+  for (std::string& word : words) {
+    auto read = text(file);
+    if (!read) return fail(read.error());
+    word = std::move(*read);
+  }
+  const auto given = parameters(file, AttributeTarget::kTexture);
+  if (!given) return fail(given.error());
+  return textures_.define(words[0], words[1], words[2], *given);
+}
+
+Status Interpreter::make_named_medium(File& file) {
+  const auto name = text(file);
+  if (!name) return fail(name.error());
+  const auto given = parameters(file, AttributeTarget::kMedium);
+  if (!given) return fail(given.error());
+  media_.define(*name, *given, state_.transform);
+  return {};
+}
+
+// One name stands for both sides.
+Status Interpreter::medium_interface(File& file) {
+  auto inside = text(file);
+  if (!inside) return fail(inside.error());
+  state_.inside_medium = *inside;
+  state_.outside_medium = *inside;
+  const auto second = file.tokens.peek();
+  if (!second) return at(file, second.error());
+  if (!second->is(Token::Kind::kString)) return {};
+  auto outside = text(file);
+  if (!outside) return fail(outside.error());
+  state_.outside_medium = std::move(*outside);
+  return {};
+}
+
+MediumInterface Interpreter::media_here(const Place& where) const {
+  return {media_.find(state_.inside_medium, where), media_.find(state_.outside_medium, where)};
+}
+
+// --- Lights and shapes
+
+Status Interpreter::light_source(File& file) {
+  const auto kind = text(file);
+  if (!kind) return fail(kind.error());
+  const auto given = parameters(file, AttributeTarget::kLight);
+  if (!given) return fail(given.error());
+  return lights_.add(*kind, *given, state_.transform);
+}
+
+Status Interpreter::area_light_source(File& file) {
+  const auto kind = text(file);
+  if (!kind) return fail(kind.error());
+  const auto given = parameters(file, AttributeTarget::kLight);
+  if (!given) return fail(given.error());
+  auto light = lights_.area_light(*kind, *given);
+  if (!light) return fail(light.error());
+  state_.area_light = std::move(*light);
+  return {};
+}
+
+Status Interpreter::shape(File& file) {
+  const auto kind = text(file);
+  if (!kind) return fail(kind.error());
+  const auto given = parameters(file, AttributeTarget::kShape);
+  if (!given) return fail(given.error());
+  if (!in_world_) return report_.error(place(file), "a shape comes before WorldBegin");
+  ShapePlacement placement;
+  placement.object = object_;
+  placement.to_world = state_.transform;
+  placement.reverse_orientation = state_.reverse_orientation;
+  placement.surface.material = state_.material ? *state_.material : materials_.default_material();
+  placement.surface.media = media_here(place(file));
+  placement.surface.light = state_.area_light;
+  if (object_ && state_.area_light) {
+    report_.warn(place(file), "shapes of objects do not emit, as in pbrt; the area light is ignored");
+    placement.surface.light = nullptr;
+  }
+  return shapes_.add(*kind, *given, std::move(placement));
+}
+
+Status Interpreter::object_begin(File& file) {
+  const auto name = text(file);
+  if (!name) return fail(name.error());
+  if (object_) return report_.error(place(file), "an object is defined inside of another one");
+  if (auto pushed = push_state(file, true); !pushed) return pushed;
+  object_ = builder_.add_object(*name);
+  objects_[*name] = *object_;
+  return {};
+}
+
+Status Interpreter::object_end(File& file) {
+  if (!object_) return report_.error(place(file), "ObjectEnd has no ObjectBegin");
+  object_.reset();
+  return pop_state(file, true);
+}
+
+Status Interpreter::object_instance(File& file) {
+  const auto name = text(file);
+  if (!name) return fail(name.error());
+  const auto object = objects_.find(*name);
+  if (object_) {
+    report_.warn(place(file), "an instance inside of an object is not supported, as in pbrt; it is left out");
+  } else if (object == objects_.end()) {
+    report_.warn(place(file), "unknown object",
+                 fmt::format("there is no object {}; it is left out", in_quotes(*name)));
+  } else {
+    builder_.add_instance(object->second, state_.transform.transform(),
+                          fmt::format("instance in line {}", file.line));
+  }
+  return {};
+}
+
+}  // namespace tessera::core::pbrt

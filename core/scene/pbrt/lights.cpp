@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/pbrt/lights.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/math/elementary.hpp"
+#include "core/scene/loader/wording.hpp"
+#include "core/scene/pbrt/files.hpp"
+
+namespace tessera::core::pbrt {
+namespace {
+
+constexpr float kMaxRadiance = 1e30f;
+
+float cosine_of_degrees(float degrees) {
+  return sin_cos_turns(degrees / 360).cos;
+}
+
+// The solid angle of a cone, by the angles at which its falloff ends and starts, weighted by the falloff.
+float spot_solid_angle(float outer_degrees, float inner_degrees) {
+  const float end = cosine_of_degrees(outer_degrees), start = cosine_of_degrees(inner_degrees);
+  return 2 * kPi * ((1 - start) + (start - end) / 2);
+}
+
+Rgb finite_light(Rgb color) {
+  const auto channel = [](float c) { return std::isfinite(c) ? std::clamp(c, 0.0f, kMaxRadiance) : 0.0f; };
+  return {channel(color.r), channel(color.g), channel(color.b)};
+}
+
+}  // namespace
+
+ColorParameter AreaLight::radiance_of(double area) const {
+  if (!power || !(area > 0)) return radiance;
+  const double sides = two_sided ? 2 : 1;
+  ColorParameter scaled = radiance;
+  scaled.value = finite_light(
+      scaled.value * static_cast<float>(static_cast<double>(*power) / (std::numbers::pi * area * sides)));
+  return scaled;
+}
+
+Status Lights::add(const std::string& kind, const Parameters& p, const Matrix& to_world) {
+  if (kind == "point") {
+    add_point(p, to_world);
+  } else if (kind == "spot") {
+    add_spot(p, to_world);
+  } else if (kind == "distant") {
+    add_distant(p, to_world);
+  } else if (kind == "goniometric") {
+    if (auto added = add_goniometric(p, to_world); !added) return added;
+  } else if (kind == "projection") {
+    if (auto added = add_projection(p, to_world); !added) return added;
+  } else if (kind == "infinite") {
+    if (auto added = add_infinite(p, to_world); !added) return added;
+  } else {
+    report_.warn(p.place(), "light " + kind,
+                 fmt::format("the light source {} is not known; it is left out", in_quotes(kind)));
+    return {};
+  }
+  // How many samples an old file wants.
+  p.find("nsamples"), p.find("samples");
+  report_.warn_unused(p, fmt::format("the light source '{}'", kind));
+  return {};
+}
+
+// The colour in the image of light of luminance 1, or of the given RGB, times "scale" and "power" (which the
+// caller divides by the solid angle).
+Rgb Lights::emitted(const Parameters& p, std::string_view name) {
+  const Rgb color = colors_.color(p, name, SpectrumRole::kIlluminant, Rgb::gray(1));
+  Rgb scale = Rgb::gray(1);
+  // Version 3 had a colour here.
+  if (const Parameter* given = p.find("scale"))
+    scale = given->floats.size() >= 3 ? colors_.color(p, *given, SpectrumRole::kIlluminant)
+                                      : Rgb::gray(p.number("scale", 1));
+  return finite_light(exposure_(color) * scale);
+}
+
+void Lights::add_point(const Parameters& p, const Matrix& to_world) {
+  PointLightDescription light;
+  light.position = to_world.point(p.vector("from", {}));
+  light.intensity = emitted(p, "I");
+  if (const float power = p.number("power", -1); power > 0)
+    light.intensity = finite_light(light.intensity * (power / (4 * kPi)));
+  builder_.add_light(light);
+}
+
+void Lights::add_spot(const Parameters& p, const Matrix& to_world) {
+  SpotLightDescription light;
+  light.position = to_world.point(p.vector("from", {}));
+  light.look_at = to_world.point(p.vector("to", {0, 0, 1}));
+  const float outer = std::clamp(p.number("coneangle", 30), 0.01f, 90.0f);
+  const float width = std::clamp(p.number("conedeltaangle", 5), 0.0f, outer);
+  if (p.number("coneangle", 30) > 90)
+    report_.warn(p.place(), "a spot light with a cone of more than 90 degrees is narrowed to 90 degrees");
+  light.angle_degrees = 2 * outer;
+  light.softness = width / outer;
+  light.intensity = emitted(p, "I");
+  if (const float power = p.number("power", -1); power > 0)
+    light.intensity = finite_light(light.intensity * (power / spot_solid_angle(outer, outer - width)));
+  if (light.position == light.look_at) {
+    report_.warn(p.place(), "a spot light without a direction is left out");
+    return;
+  }
+  builder_.add_light(light);
+}
+
+void Lights::add_distant(const Parameters& p, const Matrix& to_world) {
+  DirectionalLightDescription light;
+  light.direction = to_world.direction(p.vector("to", {0, 0, 1}) - p.vector("from", {}));
+  light.irradiance = emitted(p, "L");
+  if (const float illuminance = p.number("illuminance", -1); illuminance > 0)
+    light.irradiance = finite_light(light.irradiance * illuminance);
+  if (!(length_squared(light.direction) > 0)) {
+    report_.warn(p.place(), "a distant light without a direction is left out");
+    return;
+  }
+  light.direction = normalize(light.direction);
+  builder_.add_light(light);
+}
+
+Result<std::optional<SceneBuilder::Image>> Lights::image(const Parameters& p, const std::string& file) {
+  const Place place = p.place_of(p.find("filename"));
+  const auto path = find_file(builder_, place, file);
+  if (!path) {
+    report_.warn(place, "missing image " + file,
+                 fmt::format("the image {} does not exist; even light is used", in_quotes(file)));
+    return std::nullopt;
+  }
+  auto image = builder_.image_file(*path, {ColorSpace::kSrgb, TextureChannel::kColor});
+  if (image) return *image;
+  if (image.error().code == ErrorCode::kResourceExhausted) return fail(image.error());
+  report_.warn(place, "image " + file, image.error().message + "; even light is used");
+  return std::nullopt;
+}
+
+Result<Rgb> Lights::mean_of_image(const Parameters& p, const std::string& file) {
+  if (file.empty()) return Rgb::gray(1);
+  auto given = image(p, file);
+  if (!given) return fail(given.error());
+  return *given ? (**given)->mean() : Rgb::gray(1);
+}
+
+Status Lights::add_goniometric(const Parameters& p, const Matrix& to_world) {
+  const std::string file = p.text("filename");
+  auto mean_value = mean_of_image(p, file);
+  if (!mean_value) return fail(mean_value.error());
+  report_.warn(p.place(), "the distribution of a goniometric light is not supported; it shines evenly");
+  PointLightDescription light;
+  light.position = to_world.point(p.vector("from", {}));
+  const float power = p.number("power", -1);
+  const float share = power > 0 ? power / (4 * kPi) : mean(*mean_value);
+  light.intensity = finite_light(emitted(p, "I") * share);
+  builder_.add_light(light);
+  return {};
+}
+
+Status Lights::add_projection(const Parameters& p, const Matrix& to_world) {
+  auto mean_value = mean_of_image(p, p.text("filename"));
+  if (!mean_value) return fail(mean_value.error());
+  report_.warn(p.place(),
+               "the image of a projection light is not supported; a spot light of its mean is used");
+  SpotLightDescription light;
+  light.position = to_world.point({});
+  light.look_at = to_world.point({0, 0, 1});
+  const float fov = std::clamp(p.number("fov", 90), 0.1f, 179.0f);
+  // A cone as wide as a square image in its middle and at its corners.
+  light.angle_degrees = fov;
+  light.softness = 0;
+  light.intensity = finite_light(emitted(p, "I") * *mean_value);
+  if (const float power = p.number("power", -1); power > 0)
+    light.intensity = finite_light(emitted(p, "I") * (power / spot_solid_angle(fov / 2, fov / 2)));
+  if (light.position != light.look_at) builder_.add_light(light);
+  return {};
+}
+
+Status Lights::add_infinite(const Parameters& p, const Matrix& to_world) {
+  if (p.has("portal"))
+    report_.warn(p.place(),
+                 "the portal of an infinite light is not supported; the light comes from all directions");
+  std::string file = p.text("filename");
+  if (file.empty()) file = p.text("mapname");  // of version 3
+  if (!file.empty()) return add_infinite_image(p, file, to_world);
+  Rgb radiance = emitted(p, "L");
+  if (const float illuminance = p.number("illuminance", -1); illuminance > 0)
+    radiance = finite_light(radiance * (illuminance / kPi));
+  environment_.add_constant(radiance);
+  return {};
+}
+
+Status Lights::add_infinite_image(const Parameters& p, const std::string& file, const Matrix& to_world) {
+  Rgb scale = emitted(p, "L");
+  auto given = image(p, file);
+  if (!given) return fail(given.error());
+  const auto from_world = inverse(to_world);
+  if (!*given || !from_world) {
+    environment_.add_constant(scale);
+    return {};
+  }
+  const TextureImage& pixels = ***given;
+  if (pixels.width() != pixels.height())
+    report_.warn(p.place(),
+                 "the image of an infinite light is not square; it is taken for an equirectangular one, as "
+                 "of pbrt-v3");
+  if (const float illuminance = p.number("illuminance", -1); illuminance > 0)
+    if (const double own = upper_illuminance(pixels); own > 0)
+      scale = finite_light(scale * static_cast<float>(static_cast<double>(illuminance) / own));
+  environment_.add_image(**given, *from_world, scale);
+  return {};
+}
+
+Result<std::shared_ptr<const AreaLight>> Lights::area_light(const std::string& kind, const Parameters& p) {
+  AreaLight light;
+  if (kind != "diffuse" && kind != "area") {
+    report_.warn(p.place(), "area light " + kind,
+                 fmt::format("the area light {} is not known; a diffuse one is used", in_quotes(kind)));
+  }
+  const std::string file = p.text("filename");
+  const Rgb radiance = emitted(p, "L");
+  light.radiance = {radiance, -1};
+  if (!file.empty()) {
+    auto texture = textures_.image(p, file, false);
+    if (!texture) return fail(texture.error());
+    auto parameter = baker_.color(*texture, kMaxRadiance, p.place());
+    if (!parameter) return fail(parameter.error());
+    light.radiance = {finite_light(parameter->value * radiance), parameter->texture};
+  }
+  light.two_sided = p.boolean("twosided", false);
+  if (const float power = p.number("power", -1); power > 0) light.power = power;
+  if (light.power && light.is_textured()) {
+    const auto index = static_cast<std::size_t>(light.radiance.texture);
+    const float mean_luminance = luminance(builder_.scene().textures[index].image->mean());
+    if (mean_luminance > 0) *light.power /= mean_luminance;
+  }
+  p.find("nsamples"), p.find("samples");
+  report_.warn_unused(p, fmt::format("the area light '{}'", kind));
+  return std::make_shared<const AreaLight>(light);
+}
+
+}  // namespace tessera::core::pbrt

@@ -1,0 +1,467 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/pbrt/materials.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/math/elementary.hpp"
+#include "core/scene/loader/wording.hpp"
+#include "core/scene/pbrt/files.hpp"
+
+namespace tessera::core::pbrt {
+namespace {
+
+constexpr float kUnbounded = 1e30f;
+
+// The imaginary index with which a metal of real index 1 reflects `reflectance` at normal incidence.
+float index_for_reflectance(float reflectance) {
+  const float r = std::clamp(reflectance, 0.0f, 0.9999f);
+  return 2 * std::sqrt(r) / std::sqrt(1 - r);
+}
+
+// The diffuse reflectance of a half-space that scatters the share `albedo` of light at each event (Jensen et
+// al. 2001, eq. 15, with the boundary of an index of refraction).
+float diffuse_reflectance(float albedo, float index) {
+  const float internal = -1.44f / (index * index) + 0.71f / index + 0.668f + 0.0636f * index;
+  const float a = (1 + internal) / (1 - internal);
+  const auto root = static_cast<double>(std::sqrt(3 * std::max(0.0f, 1 - albedo)));
+  return 0.5f * albedo * static_cast<float>((1 + exp(-4.0 / 3 * static_cast<double>(a) * root)) * exp(-root));
+}
+
+Rgb diffuse_reflectance(Rgb absorption, Rgb scattering, float index) {
+  const auto channel = [index](float a, float s) {
+    return a + s > 0 ? diffuse_reflectance(s / (a + s), index) : 0.0f;
+  };
+  return {channel(absorption.r, scattering.r), channel(absorption.g, scattering.g),
+          channel(absorption.b, scattering.b)};
+}
+
+// Absorption of hair by concentrations of pigments (d'Eon et al. 2011; figures of pbrt's hair material).
+Rgb hair_absorption(float eumelanin, float pheomelanin) {
+  return Rgb{0.419f, 0.697f, 1.37f} * eumelanin + Rgb{0.187f, 0.4f, 1.05f} * pheomelanin;
+}
+
+// The colour of a fibre of this absorption at an azimuthal roughness (Chiang et al. 2016, eq. 9, inverted).
+Rgb hair_color(Rgb absorption, float roughness) {
+  const float b = roughness, b2 = b * b, b3 = b2 * b;
+  const float denominator =
+      5.969f - 0.215f * b + 2.532f * b2 - 10.73f * b3 + 5.574f * b2 * b2 + 0.245f * b2 * b3;
+  const auto channel = [denominator](float sigma) {
+    return static_cast<float>(exp(-static_cast<double>(std::sqrt(std::max(sigma, 0.0f)) * denominator)));
+  };
+  return {channel(absorption.r), channel(absorption.g), channel(absorption.b)};
+}
+
+bool is_textured_parameter(const ColorParameter& p) {
+  return p.texture >= 0;
+}
+bool is_textured_parameter(const ScalarParameter& p) {
+  return p.texture >= 0;
+}
+
+}  // namespace
+
+std::optional<int> Materials::find(const std::string& name) const {
+  const auto found = names_.find(name);
+  return found == names_.end() ? std::nullopt : std::optional(found->second);
+}
+
+int Materials::default_material() {
+  if (!default_) {
+    Material gray;
+    gray.name = "default";
+    gray.model = Lambert{{Rgb::gray(0.5f), -1}};
+    default_ = add(std::move(gray));
+  }
+  return *default_;
+}
+
+int Materials::add(Material material) {
+  textured_.push_back(has_texture(material));
+  materials_.push_back(std::move(material));
+  return static_cast<int>(materials_.size()) - 1;
+}
+
+// Parts of mixtures stand before them.
+bool Materials::has_texture(const Material& material) const {
+  bool found = material.normal_map.texture >= 0 || material.bump.texture >= 0;
+  visit_parameters(material.model, [&](std::string_view, const auto& parameter) {
+    found |= is_textured_parameter(parameter);
+  });
+  const auto* blend = std::get_if<Blend>(&material.model);
+  if (blend == nullptr || found) return found;
+  for (const auto& [part, in_scene] : parts_)
+    if ((in_scene == blend->first || in_scene == blend->second) && is_textured(part)) return true;
+  return false;
+}
+
+Result<int> Materials::add(const std::string& type, const Parameters& p) {
+  Material material;
+  material.name = fmt::format("{} {}", type.empty() ? "interface" : type, materials_.size() + 1);
+  auto made = model(type, p);
+  if (!made) return fail(made.error());
+  material.model = std::move(*made);
+  if (auto added = add_relief(p, material); !added) return fail(added.error());
+  report_.warn_unused(p, fmt::format("the material '{}'", type));
+  return add(std::move(material));
+}
+
+Materials::Model Materials::model(const std::string& type, const Parameters& p) {
+  p.find("type");
+  if (type.empty() || type == "none" || type == "interface") return Null{};
+  if (type == "diffuse") return diffuse(p, "reflectance");
+  if (type == "coateddiffuse") return coated_diffuse(p);
+  if (type == "conductor") return conductor(p, "");
+  if (type == "coatedconductor") return coated_conductor(p);
+  if (type == "dielectric") return dielectric(p);
+  if (type == "thindielectric") return thin_dielectric(p);
+  if (type == "diffusetransmission") return diffuse_transmission(p);
+  if (type == "subsurface") return subsurface(p);
+  if (type == "hair") return hair(p);
+  if (type == "mix") return mix(p);
+  return earlier_model(type, p);
+}
+
+// Materials of pbrt-v3.
+Materials::Model Materials::earlier_model(const std::string& type, const Parameters& p) {
+  constexpr std::string_view kKnown[] = {"matte", "plastic",   "metal",       "glass", "mirror",
+                                         "uber",  "substrate", "translucent", "disney"};
+  if (std::find(std::begin(kKnown), std::end(kKnown), type) == std::end(kKnown)) return unknown(type, p);
+  const std::string text =
+      fmt::format("the material {} is one of pbrt-v3; the nearest of pbrt-v4 is used", in_quotes(type));
+  report_.warn(p.place(), text, text);
+  if (type == "matte") return diffuse(p, "Kd");
+  if (type == "plastic") return plastic_of_version_3(p, 0.1f);
+  if (type == "substrate") return plastic_of_version_3(p, 0.1f);
+  if (type == "metal") return conductor(p, "");
+  if (type == "glass") return glass_of_version_3(p);
+  if (type == "uber") return uber_of_version_3(p);
+  if (type == "disney") return disney_of_version_3(p);
+  if (type == "translucent") {
+    auto reflected = color(p, "Kd", Rgb::gray(0.25f));
+    if (!reflected) return fail(reflected.error());
+    const Rgb half = reflected->value * 0.5f;
+    return DiffuseTransmission{{half, reflected->texture}, {half, reflected->texture}};
+  }
+  auto reflectance = color(p, "Kr", Rgb::gray(0.9f));
+  if (!reflectance) return fail(reflectance.error());
+  return Mirror{*reflectance};
+}
+
+Materials::Model Materials::unknown(const std::string& type, const Parameters& p) {
+  for (const Parameter& parameter : p.list()) p.find(parameter.name);
+  const std::string text = fmt::format("the material {} is not supported; gray is used", in_quotes(type));
+  report_.warn(p.place(), text, text);
+  return Lambert{{Rgb::gray(0.5f), -1}};
+}
+
+Result<ColorParameter> Materials::color(const Parameters& p, std::string_view name, Rgb otherwise) {
+  return baker_.color(textures_.color(p, name, SpectrumRole::kAlbedo, otherwise), 1,
+                      p.place_of(p.find(name)));
+}
+
+// "remaproughness": alpha is the square root of the roughness, else the roughness itself (pbrt-v4 file
+// format, "Materials"). Our roughness is the square root of alpha.
+Result<Materials::Roughness> Materials::roughness(const Parameters& p, const std::string& prefix,
+                                                  float otherwise, bool may_differ) {
+  const float exponent = p.boolean("remaproughness", true) ? 0.25f : 0.5f;
+  const TexturePtr both = textures_.number(p, prefix + "roughness", otherwise);
+  TexturePtr u = textures_.number(p, prefix + "uroughness"), v = textures_.number(p, prefix + "vroughness");
+  if (!u) u = both;
+  if (!v) v = both;
+  const Place place = p.place();
+  const Rgb *along_u = constant_of(u), *along_v = constant_of(v);
+  const auto ours = [exponent](float r) {
+    return static_cast<float>(
+        pow(static_cast<double>(std::clamp(r, 0.0f, 1.0f)), static_cast<double>(exponent)));
+  };
+  if (along_u != nullptr && along_v != nullptr) {
+    const float a = ours(along_u->r) * ours(along_u->r), b = ours(along_v->r) * ours(along_v->r);
+    if (a == b) return Roughness{std::sqrt(a), 0};
+    if (may_differ && a > b && b > 0) {
+      const float ratio = b / a;
+      return Roughness{std::sqrt(std::min(1.0f, a * std::sqrt((1 + ratio * ratio) / 2))), 1 - ratio};
+    }
+    report_.warn(place, "roughness that differs along u and v is not supported here; its mean is used");
+    return Roughness{std::sqrt(std::sqrt(a * b)), 0};
+  }
+  if (u != v)
+    report_.warn(place, "roughness that differs along u and v is not supported here; that along u is used");
+  const TexturePtr root = make_texture(PowerNode{u, exponent});
+  if (!root) return report_.error(place, "a texture of the roughness refers to too many others");
+  auto value = baker_.scalar(root, 1, place);
+  if (!value) return fail(value.error());
+  return Roughness{*value, 0};
+}
+
+float Materials::index_of_refraction(const Parameters& p, std::string_view name, float otherwise) {
+  const Parameter* parameter = p.find(name);
+  if (parameter == nullptr) return otherwise;
+  float index = otherwise;
+  if (parameter->type == "texture") {
+    report_.warn(p.place_of(parameter),
+                 "a textured index of refraction is not supported; the default is used");
+  } else {
+    index = colors_.index(p, *parameter);
+  }
+  // 0 stands for 1 in files of pbrt.
+  return index > 0 ? std::min(index, kMaxIor) : 1;
+}
+
+Materials::Model Materials::diffuse(const Parameters& p, std::string_view reflectance) {
+  if (p.number("sigma", 0) > 0)
+    report_.warn(p.place(), "the roughness of diffuse reflection (sigma) is not supported; it is ignored");
+  auto albedo = color(p, reflectance, Rgb::gray(0.5f));
+  if (!albedo) return fail(albedo.error());
+  return Lambert{*albedo};
+}
+
+Materials::Model Materials::coated_diffuse(const Parameters& p) {
+  // Parameters of pbrt's own random walk, which converges to the same.
+  p.find("maxdepth"), p.find("nsamples"), p.find("twosided");
+  auto reflectance = color(p, "reflectance", Rgb::gray(0.5f));
+  if (!reflectance) return fail(reflectance.error());
+  auto rough = roughness(p, "", 0, false);
+  if (!rough) return fail(rough.error());
+  Plastic plastic;
+  plastic.diffuse = *reflectance;
+  plastic.ior = index_of_refraction(p, "eta", 1.5f);
+  plastic.roughness = rough->value;
+  plastic.nonlinear = true;
+  // Without scattering between the layers their distance has little effect.
+  const Rgb albedo = colors_.color(p, "albedo", SpectrumRole::kAlbedo, {});
+  p.find("thickness"), p.find("g");
+  if (!is_black(albedo))
+    report_.warn(p.place(), "scattering between the layers of a material is not supported; it is ignored");
+  return plastic;
+}
+
+Materials::Model Materials::conductor(const Parameters& p, const std::string& prefix) {
+  ConductorMaterial metal;
+  if (const TexturePtr reflectance = textures_.color(p, prefix + "reflectance", SpectrumRole::kAlbedo)) {
+    const Rgb* constant = constant_of(reflectance);
+    if (constant != nullptr) {
+      metal.eta = {Rgb::gray(1), -1};
+      metal.k = {{index_for_reflectance(constant->r), index_for_reflectance(constant->g),
+                  index_for_reflectance(constant->b)},
+                 -1};
+    } else {
+      // A metal that reflects everything, tinted.
+      auto tint = baker_.color(reflectance, 1, p.place());
+      if (!tint) return fail(tint.error());
+      metal.specular = *tint;
+    }
+  } else {
+    for (const char* part : {"eta", "k"})
+      if (const Parameter* given = p.find(prefix + part); given != nullptr && given->type == "texture")
+        report_.warn(p.place_of(given), "textured indices of metals are not supported; copper is used");
+    const ComplexIndex index = colors_.metal(p, prefix + "eta", prefix + "k");
+    metal.eta = {index.eta, -1};
+    metal.k = {index.k, -1};
+  }
+  auto rough = roughness(p, prefix, 0, true);
+  if (!rough) return fail(rough.error());
+  metal.roughness = rough->value;
+  metal.anisotropy = rough->anisotropy;
+  return metal;
+}
+
+Materials::Model Materials::coated_conductor(const Parameters& p) {
+  for (const char* ignored : {"thickness", "g", "albedo", "maxdepth", "nsamples"}) p.find(ignored);
+  report_.warn(p.place(),
+               "the material 'coatedconductor' is approximated by a metal under the coat of 'principled'");
+  auto metal = conductor(p, "conductor.");
+  if (!metal) return metal;
+  auto coat = roughness(p, "interface.", 0, false);
+  if (!coat) return fail(coat.error());
+  const auto& base = std::get<ConductorMaterial>(*metal);
+  const float index = index_of_refraction(p, "interface.eta", 1.5f);
+  Principled surface;
+  surface.base_metalness = 1;
+  const Rgb seen_from_coat = fresnel_conductor(1.0f, base.eta.value / index, base.k.value / index);
+  surface.base_color = {seen_from_coat * base.specular.value, base.specular.texture};
+  surface.specular_roughness = base.roughness;
+  surface.coat_weight = 1;
+  surface.coat_ior = index;
+  surface.coat_roughness = coat->value;
+  return surface;
+}
+
+Materials::Model Materials::dielectric(const Parameters& p) {
+  auto rough = roughness(p, "", 0, false);
+  if (!rough) return fail(rough.error());
+  Glass glass;
+  glass.ior = index_of_refraction(p, "eta", 1.5f);
+  glass.roughness = rough->value;
+  return glass;
+}
+
+Materials::Model Materials::thin_dielectric(const Parameters& p) {
+  ThinDielectric sheet;
+  sheet.ior = index_of_refraction(p, "eta", 1.5f);
+  return sheet;
+}
+
+Materials::Model Materials::diffuse_transmission(const Parameters& p) {
+  auto reflected = color(p, "reflectance", Rgb::gray(0.25f));
+  if (!reflected) return fail(reflected.error());
+  auto transmitted = color(p, "transmittance", Rgb::gray(0.25f));
+  if (!transmitted) return fail(transmitted.error());
+  const float scale = std::clamp(p.number("scale", 1), 0.0f, 1.0f);
+  reflected->value = reflected->value * scale;
+  transmitted->value = transmitted->value * scale;
+  return DiffuseTransmission{*reflected, *transmitted};
+}
+
+Materials::Model Materials::subsurface(const Parameters& p) {
+  report_.warn(p.place(),
+               "subsurface scattering is not supported; a coated diffuse surface of its colour is used");
+  for (const char* ignored : {"mfp", "g", "scale"}) p.find(ignored);
+  if (!p.text("name").empty())
+    report_.warn(p.place(),
+                 "named media of the material 'subsurface' are not known; those of skim milk are used");
+  Plastic plastic;
+  const float index = index_of_refraction(p, "eta", 1.33f);
+  plastic.ior = index;
+  plastic.nonlinear = false;
+  auto rough = roughness(p, "", 0, false);
+  if (!rough) return fail(rough.error());
+  plastic.roughness = rough->value;
+  if (p.has("reflectance")) {
+    auto reflectance = color(p, "reflectance", Rgb::gray(0.5f));
+    if (!reflectance) return fail(reflectance.error());
+    plastic.diffuse = *reflectance;
+  } else {
+    const Rgb absorbed = colors_.color(p, "sigma_a", SpectrumRole::kUnbounded, {0.0011f, 0.0024f, 0.014f});
+    const Rgb scattered = colors_.color(p, "sigma_s", SpectrumRole::kUnbounded, {2.55f, 3.21f, 3.77f});
+    plastic.diffuse = {diffuse_reflectance(absorbed, scattered, index), -1};
+  }
+  return plastic;
+}
+
+Materials::Model Materials::hair(const Parameters& p) {
+  report_.warn(p.place(),
+               "the material 'hair' is not supported; a rough coated surface of its colour is used");
+  for (const char* ignored : {"alpha", "beta_m"}) p.find(ignored);
+  Plastic plastic;
+  plastic.ior = index_of_refraction(p, "eta", 1.55f);
+  plastic.roughness = 0.5f;
+  const float beta_n = std::clamp(p.number("beta_n", 0.3f), 0.0f, 1.0f);
+  if (!p.has("sigma_a") && (p.has("color") || p.has("reflectance"))) {
+    auto given = color(p, p.has("color") ? "color" : "reflectance", Rgb::gray(0.5f));
+    if (!given) return fail(given.error());
+    plastic.diffuse = *given;
+    return plastic;
+  }
+  const bool has_pigments = p.has("eumelanin") || p.has("pheomelanin");
+  const Rgb pigments =
+      hair_absorption(p.number("eumelanin", has_pigments ? 0 : 1.3f), p.number("pheomelanin", 0));
+  plastic.diffuse = {hair_color(colors_.color(p, "sigma_a", SpectrumRole::kUnbounded, pigments), beta_n), -1};
+  return plastic;
+}
+
+// The scene's material that is a part of a mixture.
+std::uint32_t Materials::part_of_mix(const Parameters& p, std::size_t part) {
+  auto names = p.texts("materials");
+  if (names.empty()) names = {p.text("namedmaterial1"), p.text("namedmaterial2")};
+  auto found = part < names.size() ? find(names[part]) : std::nullopt;
+  if (!found) {
+    report_.warn(p.place(), "a part of a mixture of materials is not defined; gray is used");
+    found = default_material();
+  }
+  const auto known = parts_.find(*found);
+  if (known != parts_.end()) return known->second;
+  const std::uint32_t index = builder_.add_material(at(*found));
+  parts_.emplace(*found, index);
+  return index;
+}
+
+Materials::Model Materials::mix(const Parameters& p) {
+  const std::uint32_t first = part_of_mix(p, 0), second = part_of_mix(p, 1);
+  auto weight = baker_.scalar(textures_.number(p, "amount", 0.5f), 1, p.place());
+  if (!weight) return fail(weight.error());
+  return Blend{first, second, *weight};
+}
+
+Materials::Model Materials::plastic_of_version_3(const Parameters& p, float default_roughness) {
+  auto diffuse = color(p, "Kd", Rgb::gray(0.25f));
+  if (!diffuse) return fail(diffuse.error());
+  auto specular = color(p, "Ks", Rgb::gray(0.25f));
+  if (!specular) return fail(specular.error());
+  auto rough = roughness(p, "", default_roughness, false);
+  if (!rough) return fail(rough.error());
+  Plastic plastic;
+  plastic.diffuse = *diffuse;
+  plastic.specular = *specular;
+  plastic.roughness = rough->value;
+  return plastic;
+}
+
+Materials::Model Materials::glass_of_version_3(const Parameters& p) {
+  auto reflected = color(p, "Kr", Rgb::gray(1));
+  if (!reflected) return fail(reflected.error());
+  auto transmitted = color(p, "Kt", Rgb::gray(1));
+  if (!transmitted) return fail(transmitted.error());
+  auto glass = dielectric(p);
+  if (!glass) return glass;
+  auto& made = std::get<Glass>(*glass);
+  made.reflectance = *reflected;
+  made.transmittance = *transmitted;
+  made.ior = index_of_refraction(p, p.has("index") ? "index" : "eta", 1.5f);
+  return glass;
+}
+
+Materials::Model Materials::uber_of_version_3(const Parameters& p) {
+  for (const char* ignored : {"Kr", "Kt", "opacity"})
+    if (p.has(ignored))
+      report_.warn(p.place(),
+                   "Kr, Kt and opacity of the material 'uber' are not supported; they are ignored");
+  auto plastic = plastic_of_version_3(p, 0.1f);
+  if (!plastic) return plastic;
+  std::get<Plastic>(*plastic).ior = index_of_refraction(p, p.has("index") ? "index" : "eta", 1.5f);
+  return plastic;
+}
+
+Materials::Model Materials::disney_of_version_3(const Parameters& p) {
+  auto base = color(p, "color", Rgb::gray(0.5f));
+  if (!base) return fail(base.error());
+  Principled surface;
+  surface.base_color = *base;
+  surface.base_metalness = std::clamp(p.number("metallic", 0), 0.0f, 1.0f);
+  surface.specular_roughness = std::clamp(p.number("roughness", 0.5f), 0.0f, 1.0f);
+  surface.specular_ior = index_of_refraction(p, "eta", 1.5f);
+  surface.transmission_weight = std::clamp(p.number("spectrans", 0), 0.0f, 1.0f);
+  return surface;
+}
+
+// Bump maps and normal maps.
+Status Materials::add_relief(const Parameters& p, Material& material) {
+  const char* name = p.has("displacement") ? "displacement" : "bumpmap";
+  if (const TexturePtr height = textures_.number(p, name); height && constant_of(height) == nullptr) {
+    auto texture = baker_.scalar(height, kUnbounded, p.place_of(p.find(name)));
+    if (!texture) return fail(texture.error());
+    material.bump = {texture->texture, texture->value};
+  }
+  const std::string file = p.text("normalmap");
+  if (file.empty()) return {};
+  const Place place = p.place_of(p.find("normalmap"));
+  const auto path = find_file(builder_, place, file);
+  if (!path) {
+    report_.warn(place, "missing image " + file,
+                 fmt::format("the image {} does not exist; there is no normal map", in_quotes(file)));
+    return {};
+  }
+  const auto texture = builder_.add_texture(*path, ImageUse{ColorSpace::kLinear, TextureChannel::kColor});
+  if (texture) {
+    material.normal_map.texture = *texture;
+  } else if (texture.error().code == ErrorCode::kResourceExhausted) {
+    return fail(texture.error());
+  } else {
+    report_.warn(place, "image " + file, texture.error().message + "; there is no normal map");
+  }
+  return {};
+}
+
+}  // namespace tessera::core::pbrt

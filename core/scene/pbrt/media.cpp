@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/pbrt/media.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/scene/loader/wording.hpp"
+
+namespace tessera::core::pbrt {
+namespace {
+
+constexpr float kMaxCoefficient = 1e15f, kMaxAsymmetry = 0.999f;
+
+float coefficient(float value) {
+  return std::isfinite(value) ? std::clamp(value, 0.0f, kMaxCoefficient) : 0.0f;
+}
+
+Rgb coefficients(Rgb c) {
+  return {coefficient(c.r), coefficient(c.g), coefficient(c.b)};
+}
+
+}  // namespace
+
+void Media::define(const std::string& name, const Parameters& p, const Matrix& to_world) {
+  const std::string type = p.text("type", "homogeneous");
+  MediumDescription medium;
+  medium.name = name;
+  bool is_supported = true;
+  if (type == "homogeneous") {
+    read_common(p, medium);
+  } else if (type == "uniformgrid") {
+    is_supported = read_uniform_grid(p, to_world, medium);
+  } else if (type == "rgbgrid") {
+    is_supported = read_rgb_grid(p, to_world, medium);
+  } else {
+    for (const Parameter& parameter : p.list()) p.find(parameter.name);
+    is_supported = false;
+  }
+  if (!is_supported) {
+    report_.warn(
+        p.place(), "medium " + type,
+        fmt::format("the medium {} of the type {} is not supported, or has no values; it is left out",
+                    in_quotes(name), in_quotes(type)));
+    names_[name] = kNoMedium;
+    return;
+  }
+  report_.warn_unused(p, fmt::format("the medium '{}'", type));
+  auto& media = builder_.scene().media;
+  media.push_back(std::move(medium));
+  names_[name] = static_cast<int>(media.size()) - 1;
+}
+
+int Media::find(const std::string& name, const Place& place) const {
+  if (name.empty()) return kNoMedium;
+  const auto known = names_.find(name);
+  if (known != names_.end()) return known->second;
+  report_.warn(place, "unknown medium",
+               fmt::format("there is no medium {}; vacuum is used", in_quotes(name)));
+  return kNoMedium;
+}
+
+// Coefficients are per unit of length; the defaults are those of a fluid in millimetres.
+void Media::read_common(const Parameters& p, MediumDescription& medium) {
+  const std::string preset = p.text("preset");
+  if (!preset.empty())
+    report_.warn(
+        p.place(), "medium preset",
+        fmt::format("the medium {} is not known; coefficients of skim milk are used", in_quotes(preset)));
+  medium.sigma_a =
+      coefficients(colors_.color(p, "sigma_a", SpectrumRole::kUnbounded, {0.0011f, 0.0024f, 0.014f}));
+  medium.sigma_s = coefficients(colors_.color(p, "sigma_s", SpectrumRole::kUnbounded, {2.55f, 3.21f, 3.77f}));
+  medium.scale = coefficient(p.number("scale", 1));
+  medium.g = std::clamp(p.number("g", 0), -kMaxAsymmetry, kMaxAsymmetry);
+  if (p.has("Le")) {
+    const Rgb emitted = colors_.color(p, "Le", SpectrumRole::kIlluminant, {});
+    medium.emission = coefficients(exposure_(emitted) * p.number("Lescale", 1));
+  }
+}
+
+int Media::add_grid(const Parameters& p, std::string_view name, std::uint32_t channels) {
+  const Parameter* given = p.find(name);
+  if (given == nullptr) return -1;
+  VoxelGrid grid;
+  const auto side = [&](std::string_view key) {
+    return static_cast<std::uint32_t>(std::clamp(p.integer(key, 1), 1, static_cast<int>(kMaxGridSide)));
+  };
+  grid.size = {side("nx"), side("ny"), side("nz")};
+  grid.channels = channels;
+  grid.border = GridBorder::kZero;
+  grid.values = given->floats;
+  if (grid.values.size() != grid.voxel_count() * channels) {
+    report_.warn(
+        p.place_of(given),
+        fmt::format("the grid {} does not have one value for each voxel; it is ignored", in_quotes(name)));
+    return -1;
+  }
+  for (float& value : grid.values) value = coefficient(value);
+  auto& grids = builder_.scene().grids;
+  grids.push_back(std::move(grid));
+  return static_cast<int>(grids.size()) - 1;
+}
+
+// The grid fills the box between p0 and p1.
+void Media::place_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium) const {
+  const Vec3 from = p.vector("p0", {}), size = p.vector("p1", {1, 1, 1}) - from;
+  const auto wide = [](float c) { return static_cast<double>(c); };
+  medium.grid_to_world = (to_world * translate(wide(from.x), wide(from.y), wide(from.z)) *
+                          scale(wide(size.x), wide(size.y), wide(size.z)))
+                             .transform();
+}
+
+bool Media::read_uniform_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium) {
+  read_common(p, medium);
+  if (!p.has("sigma_a")) medium.sigma_a = Rgb::gray(1);
+  if (!p.has("sigma_s")) medium.sigma_s = Rgb::gray(1);
+  if (p.has("temperature"))
+    report_.warn(p.place(), "the temperature of a medium is not supported; it does not glow by it");
+  for (const char* known : {"temperaturescale", "temperatureoffset", "temperaturecutoff"}) p.find(known);
+  const int density = add_grid(p, "density", 1);
+  medium.absorption_grid = medium.scattering_grid = density;
+  // A single "Lescale" is a factor, several are a grid.
+  if (const Parameter* shares = p.find("Lescale"); shares != nullptr && shares->floats.size() > 1) {
+    medium.emission = coefficients(exposure_(colors_.color(p, "Le", SpectrumRole::kIlluminant, {})));
+    medium.emission_grid = add_grid(p, "Lescale", 1);
+  }
+  place_grid(p, to_world, medium);
+  return density >= 0;
+}
+
+bool Media::read_rgb_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium) {
+  medium.sigma_a = medium.sigma_s = Rgb::gray(1);
+  medium.scale = coefficient(p.number("scale", 1));
+  medium.g = std::clamp(p.number("g", 0), -kMaxAsymmetry, kMaxAsymmetry);
+  medium.absorption_grid = add_grid(p, "sigma_a", 3);
+  medium.scattering_grid = add_grid(p, "sigma_s", 3);
+  medium.emission_grid = add_grid(p, "Le", 3);
+  if (medium.emission_grid >= 0)
+    medium.emission = coefficients(exposure_(Rgb::gray(1)) * p.number("Lescale", 1));
+  place_grid(p, to_world, medium);
+  return medium.absorption_grid >= 0 || medium.scattering_grid >= 0;
+}
+
+}  // namespace tessera::core::pbrt

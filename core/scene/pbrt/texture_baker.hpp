@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Converts textures to the parameters of materials: constants, plain images with a factor, or an image into
+// which the texture is evaluated. Not thread-safe.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+
+#include "core/base/error.hpp"
+#include "core/scene/pbrt/report.hpp"
+#include "core/scene/pbrt/texture_node.hpp"
+#include "core/textures/texture.hpp"
+
+namespace tessera::core::pbrt {
+
+class TextureBaker {
+ public:
+  // The arguments must outlive this object.
+  TextureBaker(SceneBuilder& builder, const Report& report) : builder_(builder), report_(report) {}
+
+  // `limit` bounds the values: 1 for shares of light. Warnings name `place`. RESOURCE_EXHAUSTED if a
+  // generated image exceeds the limits on textures.
+  Result<ColorParameter> color(const TexturePtr& texture, float limit, const Place& place);
+  Result<ScalarParameter> scalar(const TexturePtr& texture, float limit, const Place& place);
+
+ private:
+  Result<ColorParameter> convert(const TexturePtr& texture, float limit, const Place& place);
+  Result<ColorParameter> bake(const TexturePtr& texture, float limit, const Place& place);
+
+  SceneBuilder& builder_;
+  const Report& report_;
+  struct Converted {
+    TexturePtr texture;  // keeps the key alive
+    ColorParameter parameter;
+  };
+  std::map<std::pair<const TextureNode*, float>, Converted> converted_;
+};
+
+}  // namespace tessera::core::pbrt

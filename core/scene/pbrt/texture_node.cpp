@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/pbrt/texture_node.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/overloaded.hpp"
+#include "core/math/elementary.hpp"
+
+namespace tessera::core::pbrt {
+namespace {
+
+Rgb lerp(Rgb a, Rgb b, Rgb t) {
+  return a * (Rgb::gray(1) - t) + b * t;
+}
+
+Rgb at_least_0(Rgb c) {
+  return {std::max(c.r, 0.0f), std::max(c.g, 0.0f), std::max(c.b, 0.0f)};
+}
+
+float power(float base, float exponent) {
+  return static_cast<float>(pow(static_cast<double>(std::max(base, 0.0f)), static_cast<double>(exponent)));
+}
+
+bool is_inside(Vec2 st) {
+  return st.x >= 0 && st.x <= 1 && st.y >= 0 && st.y <= 1;
+}
+
+Rgb image_at(const ImageNode& n, Vec2 st) {
+  return n.black_outside && !is_inside(st) ? Rgb{} : n.image->bilinear(st, n.wrap, n.wrap);
+}
+
+// Whether the square at (s, t) is one of the second texture.
+bool is_second(Vec2 st) {
+  const float sum = std::floor(st.x) + std::floor(st.y);
+  return sum - 2 * std::floor(sum / 2) >= 1;
+}
+
+Rgb bilinear_at(const BilinearNode& n, Vec2 st) {
+  const Rgb s = Rgb::gray(st.x), t = Rgb::gray(st.y);
+  return at_least_0(lerp(lerp(n.v00, n.v10, s), lerp(n.v01, n.v11, s), t));
+}
+
+}  // namespace
+
+TexturePtr constant_texture(Rgb value) {
+  return std::make_shared<const TextureNode>(TextureNode{ConstantNode{value}, 1});
+}
+
+TexturePtr make_texture(const decltype(TextureNode::node)& node) {
+  TextureNode made{node, 1};
+  bool is_constant = !std::holds_alternative<ImageNode>(node) && !std::holds_alternative<BilinearNode>(node);
+  visit_children(made, [&](const TexturePtr& child) {
+    made.weight += child->weight;
+    is_constant &= constant_of(child) != nullptr;
+  });
+  if (const auto* checker = std::get_if<CheckerNode>(&node))
+    is_constant &= evaluate(*checker->a, {}) == evaluate(*checker->b, {});
+  if (made.weight > kMaxTextureWeight) return nullptr;
+  if (is_constant) return constant_texture(evaluate(made, {}));
+  return std::make_shared<const TextureNode>(std::move(made));
+}
+
+const Rgb* constant_of(const TexturePtr& texture) {
+  const auto* constant = std::get_if<ConstantNode>(&texture->node);
+  return constant == nullptr ? nullptr : &constant->value;
+}
+
+Rgb evaluate(const TextureNode& texture, Vec2 uv) {
+  return std::visit(
+      Overloaded{
+          [&](const ConstantNode& n) { return n.value; },
+          [&](const ImageNode& n) { return image_at(n, n.mapping(uv)); },
+          [&](const AffineNode& n) { return at_least_0(evaluate(*n.base, uv) * n.scale + n.offset); },
+          [&](const ProductNode& n) { return evaluate(*n.a, uv) * evaluate(*n.b, uv); },
+          [&](const BlendNode& n) {
+            return at_least_0(lerp(evaluate(*n.a, uv), evaluate(*n.b, uv), evaluate(*n.amount, uv)));
+          },
+          [&](const CheckerNode& n) { return evaluate(is_second(n.mapping(uv)) ? *n.b : *n.a, uv); },
+          [&](const BilinearNode& n) { return bilinear_at(n, n.mapping(uv)); },
+          [&](const PowerNode& n) {
+            const Rgb c = evaluate(*n.base, uv);
+            return Rgb{power(c.r, n.exponent), power(c.g, n.exponent), power(c.b, n.exponent)};
+          },
+          [&](const MeanNode& n) { return Rgb::gray(mean(evaluate(*n.base, uv))); },
+      },
+      texture.node);
+}
+
+}  // namespace tessera::core::pbrt

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/pbrt/textures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/scene/loader/wording.hpp"
+#include "core/scene/pbrt/files.hpp"
+
+namespace tessera::core::pbrt {
+namespace {
+
+constexpr Rgb kUnknownColor{0.5f, 0.5f, 0.5f};
+
+bool has_ending(std::string_view name, std::string_view ending) {
+  return name.size() >= ending.size() &&
+         std::equal(ending.rbegin(), ending.rend(), name.rbegin(),
+                    [](char a, char b) { return a == (b >= 'A' && b <= 'Z' ? b - 'A' + 'a' : b); });
+}
+
+// How the bytes of an image file become linear values. Only PNG files obey the parameter "encoding".
+struct Encoding {
+  ColorSpace color_space = ColorSpace::kSrgb;
+  float gamma = 1;  // the exponent that makes values linear, after color_space
+};
+
+Encoding encoding_of(const Parameters& p, std::string_view file) {
+  const std::string name = p.text("encoding", "sRGB");
+  if (!has_ending(file, ".png")) return {};
+  if (name == "linear") return {ColorSpace::kLinear, 1};
+  constexpr std::string_view kGamma = "gamma ";
+  if (!std::string_view(name).starts_with(kGamma)) return {};
+  const auto gamma = parse_number(std::string_view(name).substr(kGamma.size()));
+  return {ColorSpace::kLinear, std::clamp(gamma.value_or(2.2f), 0.1f, 10.0f)};
+}
+
+bool is_gray(const TextureImage& image) {
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x) {
+      const Rgb c = image.texel(x, y);
+      if (c.r != c.g || c.g != c.b) return false;
+    }
+  return true;
+}
+
+bool is_one_texel(const TextureImage& image) {
+  return image.width() == 1 && image.height() == 1;
+}
+
+}  // namespace
+
+Status Textures::define(const std::string& name, const std::string& type, const std::string& kind,
+                        const Parameters& p) {
+  const bool is_number = type == "float";
+  if (!is_number && type != "spectrum" && type != "color")
+    return report_.error(p.place(), fmt::format("the type of a texture is \"float\" or \"spectrum\", got {}",
+                                                in_quotes(type)));
+  auto texture = make(kind, p, is_number ? Kind::kNumber : Kind::kColor);
+  if (!texture) return fail(texture.error());
+  if (*texture == nullptr)
+    return report_.error(p.place(), fmt::format("the texture {} refers to too many others", in_quotes(name)));
+  report_.warn_unused(p, fmt::format("the texture '{}'", kind));
+  (is_number ? numbers_ : spectra_)[name] = *texture;
+  return {};
+}
+
+Result<TexturePtr> Textures::make(const std::string& kind, const Parameters& p, Kind type) {
+  if (kind == "constant") return constant_texture(value(p, "value", 1, type));
+  if (kind == "imagemap") return make_image(p, type);
+  if (kind == "scale") {
+    // Version 3 called the factors tex1 and tex2.
+    const bool is_old = !p.has("tex") && p.has("tex1");
+    const TexturePtr base = input(p, is_old ? "tex1" : "tex", 1, type);
+    const TexturePtr factor = is_old ? input(p, "tex2", 1, type) : number(p, "scale", 1);
+    const Rgb* constant = constant_of(factor);
+    return constant != nullptr ? make_texture(AffineNode{base, *constant, {}})
+                               : make_texture(ProductNode{base, factor});
+  }
+  if (kind == "mix")
+    return make_texture(
+        BlendNode{input(p, "tex1", 0, type), input(p, "tex2", 1, type), number(p, "amount", 0.5f)});
+  if (kind == "bilerp")
+    return make_texture(BilinearNode{value(p, "v00", 0, type), value(p, "v01", 1, type),
+                                     value(p, "v10", 0, type), value(p, "v11", 1, type), mapping(p)});
+  if (kind == "checkerboard" && p.integer("dimension", 2) == 2)
+    return make_texture(CheckerNode{input(p, "tex1", 1, type), input(p, "tex2", 0, type), mapping(p)});
+  return make_approximate(kind, p, type);
+}
+
+// Textures that depend on the position or the normal, as their mean.
+TexturePtr Textures::make_approximate(const std::string& kind, const Parameters& p, Kind type) {
+  constexpr float kDotsCoverage = 0.19f;
+  float amount = 0.5f;
+  TexturePtr a = constant_texture(kUnknownColor), b = a;
+  if (kind == "directionmix" || kind == "checkerboard") {
+    a = input(p, "tex1", kind == "checkerboard" ? 1 : 0, type);
+    b = input(p, "tex2", kind == "checkerboard" ? 0 : 1, type);
+  } else if (kind == "dots") {
+    a = input(p, "outside", 0, type);
+    b = input(p, "inside", 1, type);
+    amount = kDotsCoverage;
+  }
+  const std::string text = fmt::format(
+      "the texture {} depends on more than texture coordinates; its mean is used", in_quotes(kind));
+  report_.warn(p.place(), text, text);
+  return make_texture(BlendNode{a, b, constant_texture(Rgb::gray(amount))});
+}
+
+Result<TexturePtr> Textures::make_image(const Parameters& p, Kind type) {
+  // Only the filter of pbrt's own lookups, which does not change the mean.
+  p.find("filter"), p.find("maxanisotropy"), p.find("trilinear");
+  auto base = image(p, p.text("filename"), type == Kind::kNumber);
+  if (!base || constant_of(*base) != nullptr) return base;
+  const float factor = p.number("scale", 1);
+  if (p.boolean("invert", false)) return make_texture(AffineNode{*base, Rgb::gray(-factor), Rgb::gray(1)});
+  return factor == 1 ? *base : make_texture(AffineNode{*base, Rgb::gray(factor), {}});
+}
+
+Result<TexturePtr> Textures::image(const Parameters& p, const std::string& file, bool is_number) {
+  const Place place = p.place_of(p.find("filename"));
+  const auto path = find_file(builder_, place, file);
+  if (!path) {
+    report_.warn(place, "missing image " + file,
+                 fmt::format("the image {} does not exist; gray is used", in_quotes(file)));
+    return constant_texture(kUnknownColor);
+  }
+  const Encoding encoding = encoding_of(p, file);
+  ImageNode node;
+  node.mapping = mapping(p);
+  const std::string wrap = p.text("wrap", "repeat");
+  node.wrap = wrap == "repeat" ? Wrap::kRepeat : Wrap::kClamp;
+  node.black_outside = wrap == "black";
+  if (is_number) {
+    auto alpha = builder_.image_file(*path, {ColorSpace::kLinear, TextureChannel::kAlpha});
+    if (alpha && !is_one_texel(**alpha)) {
+      node.image = *alpha;
+      return make_texture(node);
+    }
+  }
+  auto decoded = builder_.image_file(*path, {encoding.color_space, TextureChannel::kColor});
+  if (!decoded) {
+    if (decoded.error().code == ErrorCode::kResourceExhausted) return fail(decoded.error());
+    report_.warn(place, "image " + file, decoded.error().message + "; gray is used");
+    return constant_texture(kUnknownColor);
+  }
+  node.image = *decoded;
+  TexturePtr texture = make_texture(node);
+  if (encoding.gamma != 1) texture = make_texture(PowerNode{texture, encoding.gamma});
+  return is_number && !is_gray(*node.image) ? make_texture(MeanNode{texture}) : texture;
+}
+
+UvMapping Textures::mapping(const Parameters& p) {
+  const std::string kind = p.text("mapping", "uv");
+  if (kind != "uv") {
+    p.find("v1"), p.find("v2");
+    report_.warn(p.place(),
+                 fmt::format("the texture mapping {} is not supported; texture coordinates are used",
+                             in_quotes(kind)));
+  }
+  const auto finite = [&](std::string_view name, float otherwise) {
+    return std::clamp(p.number(name, otherwise), -1e6f, 1e6f);
+  };
+  return {{finite("uscale", 1), finite("vscale", 1)}, {finite("udelta", 0), finite("vdelta", 0)}};
+}
+
+TexturePtr Textures::input(const Parameters& p, std::string_view name, float otherwise, Kind type) {
+  return type == Kind::kNumber ? number(p, name, otherwise)
+                               : color(p, name, SpectrumRole::kUnbounded, Rgb::gray(otherwise));
+}
+
+Rgb Textures::value(const Parameters& p, std::string_view name, float otherwise, Kind type) {
+  if (type == Kind::kNumber) return Rgb::gray(p.number(name, otherwise));
+  return colors_.color(p, name, SpectrumRole::kUnbounded, Rgb::gray(otherwise));
+}
+
+TexturePtr Textures::color(const Parameters& p, std::string_view name, SpectrumRole role, Rgb otherwise) {
+  TexturePtr given = color(p, name, role);
+  return given ? given : constant_texture(otherwise);
+}
+
+TexturePtr Textures::color(const Parameters& p, std::string_view name, SpectrumRole role) {
+  const Parameter* parameter = p.find(name);
+  if (parameter == nullptr) return nullptr;
+  if (parameter->type == "texture") return named(p, *parameter, Kind::kColor);
+  return constant_texture(colors_.color(p, *parameter, role));
+}
+
+TexturePtr Textures::number(const Parameters& p, std::string_view name, float otherwise) {
+  TexturePtr given = number(p, name);
+  return given ? given : constant_texture(Rgb::gray(otherwise));
+}
+
+TexturePtr Textures::number(const Parameters& p, std::string_view name) {
+  const Parameter* parameter = p.find(name);
+  if (parameter == nullptr) return nullptr;
+  if (parameter->type == "texture") return named(p, *parameter, Kind::kNumber);
+  if (const auto number = p.number(name)) return constant_texture(Rgb::gray(*number));
+  return constant_texture(Rgb::gray(mean(colors_.color(p, *parameter, SpectrumRole::kUnbounded))));
+}
+
+// Names of the other type are found, too.
+TexturePtr Textures::named(const Parameters& p, const Parameter& parameter, Kind type) {
+  const std::string name = parameter.strings.empty() ? "" : parameter.strings.front();
+  for (const auto* textures :
+       {type == Kind::kColor ? &spectra_ : &numbers_, type == Kind::kColor ? &numbers_ : &spectra_})
+    if (const auto found = textures->find(name); found != textures->end()) return found->second;
+  report_.warn(p.place_of(&parameter), "texture " + name,
+               fmt::format("there is no texture {}; gray is used", in_quotes(name)));
+  return constant_texture(kUnknownColor);
+}
+
+}  // namespace tessera::core::pbrt

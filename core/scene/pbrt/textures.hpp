@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// The named textures of a scene, and the parameters that are textures. Not thread-safe.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "core/base/error.hpp"
+#include "core/scene/pbrt/colors.hpp"
+#include "core/scene/pbrt/report.hpp"
+#include "core/scene/pbrt/texture_node.hpp"
+
+namespace tessera::core::pbrt {
+
+class Textures {
+ public:
+  // The arguments must outlive this object.
+  Textures(SceneBuilder& builder, const Report& report, Colors& colors)
+      : builder_(builder), report_(report), colors_(colors) {}
+
+  // The directive Texture "name" "type" "kind". A kind that is not supported becomes a constant, with a
+  // warning. Fails for images beyond the limits.
+  Status define(const std::string& name, const std::string& type, const std::string& kind,
+                const Parameters& p);
+
+  // The parameter as a texture of colours; null if it is not given.
+  TexturePtr color(const Parameters& p, std::string_view name, SpectrumRole role);
+  TexturePtr color(const Parameters& p, std::string_view name, SpectrumRole role, Rgb otherwise);
+  // The parameter as a texture of numbers, in all channels; null if it is not given.
+  TexturePtr number(const Parameters& p, std::string_view name);
+  TexturePtr number(const Parameters& p, std::string_view name, float otherwise);
+
+  // An image file, its alpha for a number if it has one; gray of 0.5 if it cannot be read, with a warning.
+  Result<TexturePtr> image(const Parameters& p, const std::string& file, bool is_number);
+
+ private:
+  enum class Kind { kNumber, kColor };
+
+  Result<TexturePtr> make(const std::string& kind, const Parameters& p, Kind type);
+  Result<TexturePtr> make_image(const Parameters& p, Kind type);
+  TexturePtr make_approximate(const std::string& kind, const Parameters& p, Kind type);
+  // A parameter of a texture, which is of the texture's type.
+  TexturePtr input(const Parameters& p, std::string_view name, float otherwise, Kind type);
+  Rgb value(const Parameters& p, std::string_view name, float otherwise, Kind type);
+  TexturePtr named(const Parameters& p, const Parameter& parameter, Kind type);
+  UvMapping mapping(const Parameters& p);
+
+  SceneBuilder& builder_;
+  const Report& report_;
+  Colors& colors_;
+  std::map<std::string, TexturePtr> numbers_, spectra_;
+};
+
+}  // namespace tessera::core::pbrt

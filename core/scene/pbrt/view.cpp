@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/pbrt/view.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/math/elementary.hpp"
+#include "core/scene/loader/wording.hpp"
+
+namespace tessera::core::pbrt {
+namespace {
+
+constexpr int kDefaultWidthPx = 1280, kDefaultHeightPx = 720, kDefaultSpp = 16, kDefaultMaxDepth = 5;
+constexpr float kMaxDistance = 1e15f;
+
+class ViewConverter {
+ public:
+  ViewConverter(const ViewDirectives& directives, SceneBuilder& builder, const Report& report)
+      : directives_(directives), settings_(builder.scene().settings), builder_(builder), report_(report) {}
+
+  Exposure convert();
+
+ private:
+  void convert_film();
+  void convert_crop(const Parameters& p);
+  void convert_filter();
+  void convert_sampler();
+  void convert_integrator();
+  void convert_camera();
+  float tangent_of(const std::string& kind, const Parameters& p) const;
+  void convert_lens(const Parameters& p, float world_scale, CameraDescription& camera);
+  Exposure exposure() const;
+
+  // The camera's window on the plane at distance 1 (perspective) or in its own units (orthographic).
+  struct Screen {
+    float left, right, bottom, top;
+  };
+  Screen screen(const Parameters& p) const;
+  float aspect() const {
+    return static_cast<float>(settings_.width_px) / static_cast<float>(settings_.height_px);
+  }
+
+  const ViewDirectives& directives_;
+  RenderSettings& settings_;
+  SceneBuilder& builder_;
+  const Report& report_;
+};
+
+// Places without a directive name the scene file.
+const Parameters& parameters_of(const std::optional<KindAndParameters>& directive,
+                                const Parameters& otherwise) {
+  return directive ? directive->parameters : otherwise;
+}
+
+Exposure ViewConverter::convert() {
+  convert_film();
+  convert_filter();
+  convert_sampler();
+  convert_integrator();
+  convert_camera();
+  return exposure();
+}
+
+void ViewConverter::convert_film() {
+  settings_.width_px = kDefaultWidthPx;
+  settings_.height_px = kDefaultHeightPx;
+  if (!directives_.film) return;
+  const auto& [kind, p] = *directives_.film;
+  if (kind != "rgb" && kind != "image")
+    report_.warn(p.place(), fmt::format("the film {} is not supported; an image of colours is rendered",
+                                        in_quotes(kind)));
+  settings_.width_px = std::clamp(p.integer("xresolution", kDefaultWidthPx), 1, kMaxImageSidePx);
+  settings_.height_px = std::clamp(p.integer("yresolution", kDefaultHeightPx), 1, kMaxImageSidePx);
+  convert_crop(p);
+  // The name and the format of the output are those of the command line; the diagonal is that of lens files.
+  for (const char* known :
+       {"filename", "savefp16", "diagonal", "iso", "exposuretime", "whitebalance", "sensor"})
+    p.find(known);
+  report_.warn_unused(p, "the film");
+}
+
+void ViewConverter::convert_crop(const Parameters& p) {
+  const auto clamped = [](double value, int limit) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(limit)));
+  };
+  const int width = settings_.width_px, height = settings_.height_px;
+  PixelRect crop{0, 0, width, height};
+  if (const auto bounds = p.integers("pixelbounds"); bounds.size() == 4)
+    crop = {clamped(bounds[0], width), clamped(bounds[2], height), clamped(bounds[1], width),
+            clamped(bounds[3], height)};
+  if (const auto window = p.numbers("cropwindow"); window.size() == 4) {
+    const auto at = [&](float a, int side) {
+      return clamped(std::ceil(static_cast<double>(a) * side), side);
+    };
+    crop = {at(std::min(window[0], window[1]), width), at(std::min(window[2], window[3]), height),
+            at(std::max(window[0], window[1]), width), at(std::max(window[2], window[3]), height)};
+  }
+  if (crop == PixelRect{0, 0, width, height}) return;
+  if (check_crop(crop, width, height)) {
+    settings_.crop = crop;
+  } else {
+    report_.warn(p.place(), "the crop window contains no pixel; the whole image is rendered");
+  }
+}
+
+// iso, the exposure time and the white balance (pbrt-v4 file format, "Film").
+Exposure ViewConverter::exposure() const {
+  const Parameters none;
+  const Parameters &film = parameters_of(directives_.film, none),
+                   &camera = parameters_of(directives_.camera, none);
+  const float shutter_s = camera.number("shutterclose", 1) - camera.number("shutteropen", 0);
+  const float time_s = film.number("exposuretime", shutter_s > 0 ? shutter_s : 1);
+  const float ratio = time_s * film.number("iso", 100) / 100;
+  Exposure exposure;
+  if (std::isfinite(ratio) && ratio > 0) exposure.imaging_ratio = ratio;
+  const std::string sensor = film.text("sensor", "cie1931");
+  float kelvin = film.number("whitebalance", 0);
+  if (sensor != "cie1931") {
+    report_.warn(film.place(), fmt::format("the sensor {} is not supported; the CIE 1931 observer is used",
+                                           in_quotes(sensor)));
+    if (kelvin == 0) kelvin = 6500;
+  }
+  if (kelvin > 0) exposure.white_balance = white_balance(daylight(static_cast<double>(kelvin)));
+  return exposure;
+}
+
+void ViewConverter::convert_filter() {
+  // The default of pbrt-v4: a Gaussian of standard deviation 0.5, cut off at 1.5.
+  settings_.filter = {FilterKind::kGaussian, 1.5f};
+  if (!directives_.filter) return;
+  const auto& [kind, p] = *directives_.filter;
+  float otherwise = 1.5f;
+  if (kind == "box") {
+    settings_.filter.kind = FilterKind::kBox;
+    otherwise = 0.5f;
+  } else if (kind == "triangle") {
+    settings_.filter.kind = FilterKind::kTent;
+    otherwise = 2;
+  } else if (kind != "gaussian") {
+    report_.warn(p.place(),
+                 fmt::format("the pixel filter {} is not supported; a Gaussian of radius 1.5 is used",
+                             in_quotes(kind)));
+    for (const Parameter& parameter : p.list()) p.find(parameter.name);
+    return;
+  }
+  const float x = p.number("xradius", otherwise), y = p.number("yradius", otherwise);
+  float radius = (x + y) / 2;
+  if (x != y) report_.warn(p.place(), "a pixel filter of two radii is not supported; their mean is used");
+  if (kind == "gaussian") {
+    // Ours ends at three standard deviations.
+    const float sigma = p.number("sigma", 0.5f);
+    p.find("alpha");
+    if (std::fabs(3 * sigma - radius) > 0.01f)
+      report_.warn(p.place(), "a Gaussian pixel filter is cut off at three standard deviations");
+    radius = 3 * sigma;
+  }
+  if (radius > 0 && std::isfinite(radius)) settings_.filter.radius_px = std::min(radius, kMaxFilterRadiusPx);
+  report_.warn_unused(p, "the pixel filter");
+}
+
+// All samplers have the same mean; only the number of samples counts.
+void ViewConverter::convert_sampler() {
+  settings_.spp = kDefaultSpp;
+  if (!directives_.sampler) return;
+  const auto& [kind, p] = *directives_.sampler;
+  int samples = p.integer("pixelsamples", kDefaultSpp);
+  if (kind == "stratified" && (p.has("xsamples") || p.has("ysamples") || !p.has("pixelsamples")))
+    samples = std::clamp(p.integer("xsamples", 4), 1, 4096) * std::clamp(p.integer("ysamples", 4), 1, 4096);
+  settings_.spp = static_cast<std::uint32_t>(std::clamp(samples, 1, static_cast<int>(kMaxSpp)));
+  for (const char* known : {"randomization", "jitter", "seed", "dimensions"}) p.find(known);
+  report_.warn_unused(p, "the sampler");
+}
+
+// pbrt's "maxdepth" is the number of segments after the camera ray, as ours.
+void ViewConverter::convert_integrator() {
+  settings_.max_depth = kDefaultMaxDepth;
+  if (!directives_.integrator) return;
+  const auto& [kind, p] = *directives_.integrator;
+  constexpr std::string_view kSameMean[] = {"path", "volpath", "simplepath", "simplevolpath", "bdpt",
+                                            "mlt",  "sppm",    "lightpath",  "randomwalk"};
+  if (std::find(std::begin(kSameMean), std::end(kSameMean), kind) == std::end(kSameMean))
+    report_.warn(p.place(),
+                 fmt::format("the integrator {} is not supported; path tracing is used", in_quotes(kind)));
+  const int depth = p.integer("maxdepth", kDefaultMaxDepth);
+  if (depth <= 0)
+    report_.warn(p.place(), "a maximum depth of 0 shows emission alone; direct light is rendered, too");
+  settings_.max_depth = std::clamp(depth, 1, kMaxDepth);
+  if (p.boolean("regularize", false))
+    report_.warn(p.place(), "the regularisation of paths is not supported; it is ignored");
+  // What changes the noise only.
+  for (const char* known :
+       {"lightsampler", "lightsamplestrategy", "rrthreshold", "samplelights", "samplebsdf", "sampleallights",
+        "mutationsperpixel", "chains", "bootstrapsamples", "sigma", "largestepprobability",
+        "photonsperiteration", "radius", "seed", "visualizestrategies", "visualizeweights", "pixelbounds",
+        "numiterations", "imagewritefrequency"})
+    p.find(known);
+  report_.warn_unused(p, "the integrator");
+}
+
+// The default window has the sides -1 and 1 along the shorter axis of the frame.
+ViewConverter::Screen ViewConverter::screen(const Parameters& p) const {
+  const float frame = p.number("frameaspectratio", aspect());
+  Screen screen = frame > 1 ? Screen{-frame, frame, -1, 1} : Screen{-1, 1, -1 / frame, 1 / frame};
+  if (const auto window = p.numbers("screenwindow"); window.size() == 4)
+    screen = {window[0], window[1], window[2], window[3]};
+  const bool is_sound = screen.right > screen.left && screen.top > screen.bottom &&
+                        std::isfinite(screen.right - screen.left) &&
+                        std::isfinite(screen.top - screen.bottom);
+  if (!is_sound) {
+    report_.warn(p.place(), "the screen window of the camera has no size; the default is used");
+    return {-aspect(), aspect(), -1, 1};
+  }
+  const float shape = (screen.right - screen.left) / (screen.top - screen.bottom);
+  if (std::fabs(shape / aspect() - 1) > 0.01f)
+    report_.warn(p.place(), "pixels that are not square are not supported; the height of the image is kept");
+  return screen;
+}
+
+// The offset of the window's centre, in its widths and heights.
+Vec2 shift_of(float left, float right, float bottom, float top) {
+  const auto limited = [](float shift) { return std::clamp(shift, -kMaxLensShift, kMaxLensShift); };
+  return {limited((left + right) / 2 / (right - left)), limited((bottom + top) / 2 / (top - bottom))};
+}
+
+// Lengths of the camera are in its own space.
+void ViewConverter::convert_lens(const Parameters& p, float world_scale, CameraDescription& camera) {
+  const float radius = p.number("lensradius", 0), focus = p.number("focaldistance", 1e6f);
+  camera.aperture_radius = std::clamp(radius * world_scale, 0.0f, kMaxDistance);
+  camera.focus_distance = std::clamp(focus * world_scale, 1e-20f, kMaxDistance);
+}
+
+float tan_half(float degrees) {
+  const SinCos half = sin_cos_turns(std::clamp(degrees, 0.01f, 179.9f) / 720);
+  return half.sin / half.cos;
+}
+
+// The tangent of half the field of view along the shorter axis.
+float ViewConverter::tangent_of(const std::string& kind, const Parameters& p) const {
+  if (kind == "perspective")
+    return tan_half(p.number("fov", p.has("halffov") ? 2 * p.number("halffov", 45) : 90));
+  if (kind != "realistic") {
+    report_.warn(p.place(),
+                 fmt::format("the camera {} is not known; a perspective one is used", in_quotes(kind)));
+    return tan_half(p.number("fov", 90));
+  }
+  report_.warn(p.place(),
+               "the camera 'realistic' is approximated by a perspective camera with a lens of 50 mm");
+  for (const char* known : {"lensfile", "aperturediameter", "focusdistance", "aperture"}) p.find(known);
+  constexpr float kFocalLengthMm = 50, kDiagonalMm = 35;
+  const Parameters none;
+  const float diagonal_mm = parameters_of(directives_.film, none).number("diagonal", kDiagonalMm);
+  const float longer = std::max(aspect(), 1 / aspect());
+  return diagonal_mm / std::sqrt(1 + longer * longer) / 2 / kFocalLengthMm;
+}
+
+void ViewConverter::convert_camera() {
+  CameraDescription camera;
+  const Matrix& to_world = directives_.world_from_camera;
+  // The format's space of cameras is left-handed.
+  camera.mirrored = to_world.determinant() > 0;
+  camera.position = to_world.point({});
+  const Vec3 forward = to_world.direction({0, 0, 1}), up = to_world.direction({0, 1, 0});
+  const Vec3 right = to_world.direction({1, 0, 0});
+  const float world_scale = length(forward);
+  camera.look_at = camera.position + normalize(forward) * std::max(1.0f, length(camera.position));
+  camera.up = up;
+  const Parameters none;
+  const Parameters& p = parameters_of(directives_.camera, none);
+  const std::string kind = directives_.camera ? directives_.camera->kind : "perspective";
+  const float skew = std::fabs(dot(forward, up)) + std::fabs(dot(forward, right)) + std::fabs(dot(up, right));
+  if (skew > 0.01f * world_scale * world_scale || std::fabs(length(up) / world_scale - 1) > 0.01f ||
+      std::fabs(length(right) / world_scale - 1) > 0.01f)
+    report_.warn(p.place(), "the transformation of the camera scales its axes differently; that is ignored");
+  if (kind == "orthographic") {
+    const Screen window = screen(p);
+    camera.type = CameraType::kOrthographic;
+    camera.view_height = (window.top - window.bottom) * length(up);
+    camera.lens_shift = shift_of(window.left, window.right, window.bottom, window.top);
+    convert_lens(p, world_scale, camera);
+  } else if (kind == "spherical" || kind == "environment") {
+    camera.type = CameraType::kPanoramic;
+    if (p.text("mapping", kind == "spherical" ? "equalarea" : "equirectangular") != "equirectangular")
+      report_.warn(p.place(),
+                   "the equal-area mapping of a spherical camera is not supported; it is equirectangular");
+    p.find("lensradius"), p.find("focaldistance"), p.find("frameaspectratio"), p.find("screenwindow");
+  } else {
+    const float tangent = tangent_of(kind, p);
+    const Screen window = screen(p);
+    const float half_height = tangent * (window.top - window.bottom) / 2;
+    camera.vertical_fov_degrees = std::clamp(2 * atan2(half_height, 1.0f) * (180 / kPi), 1e-3f, 179.9f);
+    camera.lens_shift = shift_of(window.left, window.right, window.bottom, window.top);
+    convert_lens(p, world_scale, camera);
+  }
+  p.find("shutteropen"), p.find("shutterclose");
+  report_.warn_unused(p, "the camera");
+  builder_.set_camera(camera);
+}
+
+}  // namespace
+
+Exposure convert_view(const ViewDirectives& directives, SceneBuilder& builder, const Report& report) {
+  return ViewConverter(directives, builder, report).convert();
+}
+
+}  // namespace tessera::core::pbrt

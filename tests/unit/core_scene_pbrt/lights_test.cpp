@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light sources of pbrt files, with the scales that the format defines.
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+#include "tests/unit/core_scene_pbrt/pbrt_scene.hpp"
+
+namespace tessera::core::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr float kPiF = std::numbers::pi_v<float>;
+
+template <typename Light>
+Light light_of(const std::string& directive) {
+  const SceneDescription scene = pbrt_world(directive + " Shape \"sphere\"");
+  const auto* light = scene.lights.empty() ? nullptr : std::get_if<Light>(&scene.lights.front());
+  EXPECT_NE(light, nullptr) << directive;
+  return light == nullptr ? Light{} : *light;
+}
+
+TEST(PbrtLights, PointLights) {
+  const auto light = light_of<PointLightDescription>(
+      "Translate 1 0 0 LightSource \"point\" \"point3 from\" [0 2 0] \"rgb I\" [1 2 3] \"float scale\" 2");
+  EXPECT_EQ(light.position, (Vec3{1, 2, 0}));
+  EXPECT_EQ(light.intensity, (Rgb{2, 4, 6}));
+}
+
+TEST(PbrtLights, PowerIsSpreadOverTheDirections) {
+  expect_color(light_of<PointLightDescription>("LightSource \"point\" \"float power\" 100").intensity,
+               Rgb::gray(100 / (4 * kPiF)));
+  // A cone without falloff of 60 degrees to each side: pi steradian.
+  expect_color(
+      light_of<SpotLightDescription>("LightSource \"spot\" \"float power\" 100 \"float coneangle\" 60 "
+                                     "\"float conedeltaangle\" 0")
+          .intensity,
+      Rgb::gray(100 / kPiF), 1e-3f);
+}
+
+TEST(PbrtLights, SpotLightsFallOffInTheirDelta) {
+  const auto light = light_of<SpotLightDescription>(
+      "LightSource \"spot\" \"point3 from\" [0 3 0] \"point3 to\" [0 0 0] \"float coneangle\" 40 "
+      "\"float conedeltaangle\" 10");
+  EXPECT_EQ(light.position, (Vec3{0, 3, 0}));
+  EXPECT_EQ(light.look_at, (Vec3{0, 0, 0}));
+  EXPECT_FLOAT_EQ(light.angle_degrees, 80);
+  EXPECT_FLOAT_EQ(light.softness, 0.25f);
+}
+
+TEST(PbrtLights, DistantLightsTravelFromTheirOrigin) {
+  const auto light = light_of<DirectionalLightDescription>(
+      "LightSource \"distant\" \"point3 from\" [0 5 0] \"point3 to\" [0 0 0] \"rgb L\" [2 2 2] "
+      "\"float illuminance\" 3");
+  EXPECT_EQ(light.direction, (Vec3{0, -1, 0}));
+  EXPECT_EQ(light.irradiance, Rgb::gray(6));
+}
+
+TEST(PbrtLights, LightOfSpectraHasLuminanceOne) {
+  for (const char* color : {"\"blackbody I\" 3000", "\"spectrum I\" [400 5 500 7 600 9 700 1]",
+                            "\"spectrum I\" \"stdillum-A\"", "\"spectrum I\" \"stdillum-F11\""})
+    EXPECT_NEAR(
+        luminance(light_of<PointLightDescription>(std::string("LightSource \"point\" ") + color).intensity),
+        1, 0.01)
+        << color;
+  expect_color(
+      light_of<PointLightDescription>("LightSource \"point\" \"spectrum I\" \"stdillum-D65\"").intensity,
+      Rgb::gray(1), 0.005f);
+}
+
+TEST(PbrtLights, AreaLightsEmitToTheirFront) {
+  const Material one = pbrt_material("AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] \"float scale\" 2");
+  EXPECT_EQ(one.emission.value, (Rgb{2, 4, 6}));
+  EXPECT_FALSE(one.two_sided_emission);
+  EXPECT_TRUE(pbrt_material("AreaLightSource \"diffuse\" \"bool twosided\" true").two_sided_emission);
+}
+
+TEST(PbrtLights, PowerOfAreaLights) {
+  // The triangle has the area 1/2.
+  expect_color(pbrt_material("AreaLightSource \"diffuse\" \"float power\" 10").emission.value,
+               Rgb::gray(10 / (kPiF * 0.5f)));
+  const SceneDescription scene =
+      pbrt_world("AreaLightSource \"diffuse\" \"float power\" 10 Shape \"sphere\"");
+  expect_color(scene.materials.at(0).emission.value, Rgb::gray(10 / (4 * kPiF * kPiF)));
+}
+
+TEST(PbrtLights, ShapesOfObjectsDoNotEmit) {
+  const SceneDescription scene = pbrt_world(
+      "ObjectBegin \"a\" AreaLightSource \"diffuse\" Shape \"sphere\" ObjectEnd ObjectInstance \"a\"");
+  EXPECT_EQ(scene.materials.at(0).emission.value, Rgb{});
+  EXPECT_THAT(warnings_of(scene), HasSubstr("shapes of objects do not emit"));
+}
+
+TEST(PbrtLights, InfiniteLightsAddUp) {
+  const SceneDescription scene = pbrt_world(
+      "LightSource \"infinite\" \"rgb L\" [1 0 0] LightSource \"infinite\" \"float illuminance\" 3 Shape "
+      "\"sphere\"");
+  ASSERT_TRUE(scene.environment);
+  EXPECT_LT(scene.environment->radiance.texture, 0);
+  expect_color(scene.environment->radiance.value, Rgb{1 + 3 / kPiF, 3 / kPiF, 3 / kPiF});
+}
+
+TEST(PbrtLights, ASceneWithoutLightIsBlack) {
+  const SceneDescription scene = pbrt_world("Shape \"sphere\"");
+  EXPECT_FALSE(scene.environment);
+  EXPECT_TRUE(scene.lights.empty());
+}
+
+TEST(PbrtLights, ApproximationsAreTold) {
+  const std::string warnings = warnings_of(
+      pbrt_world("LightSource \"goniometric\"\nLightSource \"projection\"\nLightSource \"candle\"\n"
+                 "LightSource \"infinite\" \"string filename\" \"gone.exr\" \"point3 portal\" [0 0 0 1 0 0 1 "
+                 "1 0 0 1 0]\n"
+                 "Shape \"sphere\""));
+  EXPECT_THAT(warnings, HasSubstr("scene.pbrt:2: the distribution of a goniometric light is not supported"));
+  EXPECT_THAT(warnings, HasSubstr("scene.pbrt:3: the image of a projection light is not supported"));
+  EXPECT_THAT(warnings, HasSubstr("scene.pbrt:4: the light source 'candle' is not known"));
+  EXPECT_THAT(warnings, HasSubstr("scene.pbrt:5: the image 'gone.exr' does not exist"));
+  EXPECT_THAT(warnings, HasSubstr("scene.pbrt:5: the portal"));
+}
+
+}  // namespace
+}  // namespace tessera::core::test

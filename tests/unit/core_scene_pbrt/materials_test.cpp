@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// Materials of pbrt files.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "tests/unit/core_scene_pbrt/pbrt_scene.hpp"
+
+namespace tessera::core::test {
+namespace {
+
+using testing::HasSubstr;
+
+template <typename Model>
+Model model_of(const std::string& directives, const MemoryAssets::Files& files = {}) {
+  const Material material = pbrt_material(directives, files);
+  const auto* model = std::get_if<Model>(&material.model);
+  EXPECT_NE(model, nullptr) << directives;
+  return model == nullptr ? Model{} : *model;
+}
+
+TEST(PbrtMaterials, Diffuse) {
+  EXPECT_EQ(model_of<Lambert>("").albedo.value, Rgb::gray(0.5f));
+  EXPECT_EQ(model_of<Lambert>("Material \"diffuse\" \"rgb reflectance\" [0.1 0.2 0.3]").albedo.value,
+            (Rgb{0.1f, 0.2f, 0.3f}));
+  EXPECT_EQ(model_of<Lambert>("Material \"diffuse\" \"rgb reflectance\" [2 -1 0.3]").albedo.value,
+            (Rgb{1, 0, 0.3f}));
+}
+
+TEST(PbrtMaterials, RoughnessIsRemappedByItsRoot) {
+  // Our roughness is the root of alpha; alpha is the root of pbrt's roughness, or the roughness itself.
+  EXPECT_NEAR(model_of<Glass>("Material \"dielectric\" \"float roughness\" 0.0625").roughness.value, 0.5,
+              1e-6);
+  EXPECT_NEAR(
+      model_of<Glass>("Material \"dielectric\" \"float roughness\" 0.25 \"bool remaproughness\" false")
+          .roughness.value,
+      0.5, 1e-6);
+  EXPECT_EQ(model_of<Glass>("Material \"dielectric\"").roughness.value, 0);
+}
+
+TEST(PbrtMaterials, AnisotropyOfMetals) {
+  const auto metal = model_of<ConductorMaterial>(
+      "Material \"conductor\" \"float uroughness\" 0.4 \"float vroughness\" 0.1 \"bool remaproughness\" "
+      "false");
+  // The two alphas that the model derives (core/materials/layered_materials.cpp).
+  const float narrow = 1 - metal.anisotropy.value;
+  const float along = metal.roughness.value * metal.roughness.value * std::sqrt(2 / (1 + narrow * narrow));
+  EXPECT_NEAR(along, 0.4, 1e-5);
+  EXPECT_NEAR(along * narrow, 0.1, 1e-5);
+}
+
+TEST(PbrtMaterials, CoatedDiffuseIsPlastic) {
+  const auto plastic =
+      model_of<Plastic>("Material \"coateddiffuse\" \"float eta\" 1.4 \"rgb reflectance\" [1 0 0]");
+  EXPECT_FLOAT_EQ(plastic.ior.value, 1.4f);
+  EXPECT_EQ(plastic.diffuse.value, (Rgb{1, 0, 0}));
+  EXPECT_TRUE(plastic.nonlinear);
+}
+
+TEST(PbrtMaterials, MetalsByNameIndexOrReflectance) {
+  const ComplexIndex gold = complex_index(Conductor::kGold);
+  const auto named = model_of<ConductorMaterial>(
+      "Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\"");
+  EXPECT_EQ(named.eta.value, gold.eta);
+  EXPECT_EQ(named.k.value, gold.k);
+  EXPECT_EQ(model_of<ConductorMaterial>("Material \"conductor\"").eta.value,
+            complex_index(Conductor::kCopper).eta);
+  const auto given =
+      model_of<ConductorMaterial>("Material \"conductor\" \"rgb eta\" [0.2 0.9 1.1] \"rgb k\" [3.9 2.4 2.1]");
+  EXPECT_EQ(given.eta.value, (Rgb{0.2f, 0.9f, 1.1f}));
+  EXPECT_EQ(given.k.value, (Rgb{3.9f, 2.4f, 2.1f}));
+  const auto gray = model_of<ConductorMaterial>("Material \"conductor\" \"rgb reflectance\" [0.5 0.25 0]");
+  const Rgb reflected = fresnel_conductor(1.0f, gray.eta.value, gray.k.value);
+  EXPECT_NEAR(reflected.r, 0.5, 1e-5);
+  EXPECT_NEAR(reflected.g, 0.25, 1e-5);
+  EXPECT_NEAR(reflected.b, 0, 1e-5);
+}
+
+TEST(PbrtMaterials, GlassesByNameOrIndex) {
+  EXPECT_FLOAT_EQ(model_of<Glass>("Material \"dielectric\"").ior.value, 1.5f);
+  EXPECT_FLOAT_EQ(model_of<Glass>("Material \"dielectric\" \"float eta\" 1.33").ior.value, 1.33f);
+  EXPECT_FLOAT_EQ(model_of<Glass>("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"").ior.value,
+                  1.5168f);
+  EXPECT_NEAR(model_of<Glass>("Material \"dielectric\" \"spectrum eta\" [400 1.6 700 1.6]").ior.value, 1.6,
+              1e-5);
+  EXPECT_FLOAT_EQ(model_of<ThinDielectric>("Material \"thindielectric\" \"float eta\" 1.7").ior.value, 1.7f);
+}
+
+TEST(PbrtMaterials, DiffuseTransmissionIsScaled) {
+  const auto leaf = model_of<DiffuseTransmission>(
+      "Material \"diffusetransmission\" \"rgb reflectance\" [0.2 0.4 0.6] \"float scale\" 0.5");
+  EXPECT_EQ(leaf.reflectance.value, (Rgb{0.1f, 0.2f, 0.3f}));
+  EXPECT_EQ(leaf.transmittance.value, Rgb::gray(0.125f));
+}
+
+TEST(PbrtMaterials, MixturesNameTheirParts) {
+  const SceneDescription scene = pbrt_world(
+      "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" MakeNamedMaterial \"b\" \"string type\" "
+      "\"conductor\"\n"
+      "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" 0.25\n" +
+      kPbrtTriangle);
+  const auto& mesh = std::get<MeshDescription>(scene.shapes.at(0));
+  const auto& blend = std::get<Blend>(scene.materials.at(mesh.triangle_materials.at(0)).model);
+  EXPECT_TRUE(std::holds_alternative<Lambert>(scene.materials.at(blend.first).model));
+  EXPECT_TRUE(std::holds_alternative<ConductorMaterial>(scene.materials.at(blend.second).model));
+  EXPECT_FLOAT_EQ(blend.weight.value, 0.25f);
+}
+
+TEST(PbrtMaterials, CoatedMetalIsPrincipled) {
+  const auto coated = model_of<Principled>(
+      "Material \"coatedconductor\" \"rgb conductor.eta\" [1 1 1] \"rgb conductor.k\" [3 3 3] "
+      "\"float conductor.roughness\" 0.0625 \"float interface.eta\" 1.5");
+  EXPECT_EQ(coated.base_metalness.value, 1);
+  EXPECT_EQ(coated.coat_weight.value, 1);
+  EXPECT_NEAR(coated.specular_roughness.value, 0.5, 1e-6);
+  // Seen from inside of the coat.
+  EXPECT_NEAR(coated.base_color.value.r, fresnel_conductor(1.0f, Rgb::gray(1 / 1.5f), Rgb::gray(2)).r, 1e-5);
+}
+
+TEST(PbrtMaterials, MaterialsOfVersion3) {
+  EXPECT_EQ(model_of<Lambert>("Material \"matte\" \"color Kd\" [0.1 0.2 0.3]").albedo.value,
+            (Rgb{0.1f, 0.2f, 0.3f}));
+  EXPECT_EQ(model_of<Mirror>("Material \"mirror\"").reflectance.value, Rgb::gray(0.9f));
+  EXPECT_FLOAT_EQ(model_of<Glass>("Material \"glass\" \"float index\" 1.2").ior.value, 1.2f);
+  EXPECT_EQ(model_of<Plastic>("Material \"plastic\" \"color Kd\" [0.1 0.2 0.3]").diffuse.value,
+            (Rgb{0.1f, 0.2f, 0.3f}));
+  EXPECT_THAT(warnings_of(pbrt_world("Material \"matte\"" + kPbrtTriangle)),
+              HasSubstr("scene.pbrt:2: the material 'matte' is one of pbrt-v3"));
+}
+
+TEST(PbrtMaterials, WhatIsNotSupportedIsGray) {
+  const SceneDescription scene =
+      pbrt_world("Material \"measured\" \"string filename\" \"paint.bsdf\"\nShape \"sphere\"");
+  EXPECT_EQ(warnings_of(scene), "scene.pbrt:2: the material 'measured' is not supported; gray is used\n");
+  EXPECT_THAT(warnings_of(pbrt_world("Material \"hair\" Shape \"sphere\"")),
+              HasSubstr("the material 'hair'"));
+  EXPECT_THAT(warnings_of(pbrt_world("Material \"subsurface\" Shape \"sphere\"")),
+              HasSubstr("subsurface scattering"));
+  EXPECT_THAT(warnings_of(pbrt_world("NamedMaterial \"gone\" Shape \"sphere\"")),
+              HasSubstr("there is no material 'gone' yet; gray is used"));
+}
+
+TEST(PbrtMaterials, BumpsNormalMapsAndAlpha) {
+  const MemoryAssets::Files files{{"a.png", png(one_color(2, 2, Rgb::gray(1)))}};
+  const Material material = pbrt_material(
+      "Texture \"height\" \"float\" \"imagemap\" \"string filename\" \"a.png\" \"float scale\" 0.5\n"
+      "Attribute \"shape\" \"float alpha\" 0.25\n"
+      "Material \"diffuse\" \"texture displacement\" \"height\" \"string normalmap\" \"a.png\"",
+      files);
+  EXPECT_GE(material.bump.texture, 0);
+  EXPECT_FLOAT_EQ(material.bump.height, 0.5f);
+  EXPECT_GE(material.normal_map.texture, 0);
+  EXPECT_FLOAT_EQ(material.opacity.value, 0.25f);
+}
+
+}  // namespace
+}  // namespace tessera::core::test

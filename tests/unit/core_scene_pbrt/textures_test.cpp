@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// Textures of pbrt files: constants, images, and what is evaluated into images.
+#include <gmock/gmock.h>
+
+#include "core/image/srgb.hpp"
+#include "tests/unit/core_scene_pbrt/pbrt_scene.hpp"
+
+namespace tessera::core::test {
+namespace {
+
+using testing::HasSubstr;
+
+// A diffuse surface whose reflectance is the texture "t", evaluated at texture coordinates.
+class Reflectance {
+ public:
+  explicit Reflectance(const std::string& textures, const MemoryAssets::Files& files = {})
+      : scene_(pbrt_world(textures + "\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n" + kPbrtTriangle,
+                          files)) {}
+
+  const ColorParameter& parameter() const { return std::get<Lambert>(scene_.materials.at(0).model).albedo; }
+  Rgb at(float u, float v) const { return parameter().evaluate(scene_.textures, {u, v}); }
+  const SceneDescription& scene() const { return scene_; }
+
+ private:
+  SceneDescription scene_;
+};
+
+// Four texels: black and red above, green and blue below.
+MemoryAssets::Files four_colors() {
+  Image image(2, 2);
+  image.pixels = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  return {{"four.png", png(image)}};
+}
+
+TEST(PbrtTextures, ConstantsNeedNoImage) {
+  const Reflectance surface("Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [0.1 0.2 0.3]");
+  EXPECT_LT(surface.parameter().texture, 0);
+  EXPECT_EQ(surface.parameter().value, (Rgb{0.1f, 0.2f, 0.3f}));
+  const Reflectance mixed(
+      "Texture \"t\" \"spectrum\" \"mix\" \"rgb tex1\" [0 0 0] \"rgb tex2\" [1 1 1] \"float amount\" 0.25");
+  EXPECT_EQ(mixed.parameter().value, Rgb::gray(0.25f));
+  const Reflectance scaled(
+      "Texture \"a\" \"spectrum\" \"constant\" \"rgb value\" [1 0.5 0]\n"
+      "Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"a\" \"float scale\" 0.5");
+  EXPECT_EQ(scaled.parameter().value, (Rgb{0.5f, 0.25f, 0}));
+}
+
+TEST(PbrtTextures, ImagesStayImages) {
+  const Reflectance surface(
+      "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"four.png\" \"float scale\" 0.5 "
+      "\"float uscale\" 2 \"float vdelta\" 0.5 \"string filter\" \"trilinear\"",
+      four_colors());
+  EXPECT_EQ(surface.scene().textures.size(), 1u);
+  EXPECT_EQ(surface.scene().textures[0].image->width(), 2);
+  // (s, t) is (0.25, 0.25), the lower left texel.
+  expect_color(surface.at(0.125f, -0.25f), {0, 0.5f, 0});
+  EXPECT_EQ(warnings_of(surface.scene()), "");
+}
+
+TEST(PbrtTextures, InvertedImages) {
+  const Reflectance surface(
+      "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"four.png\" \"bool invert\" true",
+      four_colors());
+  expect_color(surface.at(0.25f, 0.25f), {1, 0, 1});
+  expect_color(surface.at(0.75f, 0.75f), {0, 1, 1});
+}
+
+TEST(PbrtTextures, EncodingsOfPng) {
+  const MemoryAssets::Files files{{"gray.png", png(one_color(1, 1, Rgb::gray(0.5f)))}};
+  const auto gray = [&](const std::string& encoding) {
+    return Reflectance("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"gray.png\"" + encoding,
+                       files)
+        .at(0.5f, 0.5f)
+        .g;
+  };
+  const float linear = gray(" \"string encoding\" \"linear\"");
+  EXPECT_GT(linear, gray("") + 0.1f);
+  EXPECT_NEAR(gray(" \"string encoding\" \"gamma 2\""), linear * linear, 1e-3);
+}
+
+TEST(PbrtTextures, CheckerboardsAreEvaluated) {
+  const Reflectance surface(
+      "Texture \"t\" \"spectrum\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 2 "
+      "\"rgb tex1\" [1 0 0] \"rgb tex2\" [0 0 1]");
+  for (int i = -3; i < 9; ++i)
+    for (int j = -2; j < 5; ++j) {
+      const bool is_first = ((i + j) & 1) == 0;
+      expect_color(surface.at((static_cast<float>(i) + 0.5f) / 4, (static_cast<float>(j) + 0.5f) / 2),
+                   is_first ? Rgb{1, 0, 0} : Rgb{0, 0, 1});
+    }
+}
+
+TEST(PbrtTextures, ImagesInCheckerboards) {
+  const Reflectance surface(
+      "Texture \"i\" \"spectrum\" \"imagemap\" \"string filename\" \"four.png\" \"float uscale\" 2\n"
+      "Texture \"t\" \"spectrum\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 1 \"texture tex1\" "
+      "\"i\" "
+      "\"rgb tex2\" [1 1 1]",
+      four_colors());
+  expect_color(surface.at(0.125f, 0.25f), {0, 1, 0}, 0.03f);  // the first square: the left half of the image
+  expect_color(surface.at(0.375f, 0.25f), {1, 1, 1}, 0.03f);
+  EXPECT_EQ(warnings_of(surface.scene()), "");
+}
+
+TEST(PbrtTextures, NumbersOfColouredImagesAreMeans) {
+  const SceneDescription scene = pbrt_world(
+      "Texture \"r\" \"float\" \"imagemap\" \"string filename\" \"four.png\"\n"
+      "Material \"dielectric\" \"texture roughness\" \"r\" \"bool remaproughness\" false\n" +
+          kPbrtTriangle,
+      four_colors());
+  const ScalarParameter& roughness = std::get<Glass>(scene.materials.at(0).model).roughness;
+  EXPECT_NEAR(roughness.evaluate(scene.textures, {0.25f, 0.75f}), 0, 1e-3);
+  EXPECT_NEAR(roughness.evaluate(scene.textures, {0.25f, 0.25f}), 0.57735, 1e-3);
+}
+
+TEST(PbrtTextures, TexturedTrianglesGetTextureCoordinates) {
+  const Reflectance surface("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"four.png\"",
+                            four_colors());
+  const auto& mesh = std::get<MeshDescription>(surface.scene().shapes.at(0));
+  EXPECT_EQ(mesh.uvs, (std::vector<Vec2>{{0, 0}, {1, 0}, {1, 1}}));
+}
+
+TEST(PbrtTextures, WhatIsMissingIsGray) {
+  const Reflectance surface("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"gone.png\"");
+  EXPECT_EQ(surface.parameter().value, Rgb::gray(0.5f));
+  EXPECT_THAT(warnings_of(surface.scene()), HasSubstr("scene.pbrt:2: the image 'gone.png' does not exist"));
+  EXPECT_THAT(warnings_of(Reflectance("").scene()), HasSubstr("scene.pbrt:3: there is no texture 't'"));
+  EXPECT_THAT(warnings_of(Reflectance("Texture \"t\" \"spectrum\" \"marble\"").scene()),
+              HasSubstr("the texture 'marble' depends on more than texture coordinates"));
+}
+
+TEST(PbrtTextures, TexturesThatGrowWithoutEndAreRefused) {
+  std::string textures =
+      "WorldBegin Texture \"t0\" \"spectrum\" \"imagemap\" \"string filename\" \"four.png\"\n";
+  for (int i = 1; i < 40; ++i) {
+    const std::string before = std::to_string(i - 1), own = std::to_string(i);
+    textures += "Texture \"t" + own + "\" \"spectrum\" \"mix\" \"texture tex1\" \"t" + before +
+                "\" \"texture tex2\" \"t" + before + "\"\n";
+  }
+  EXPECT_THAT(pbrt_error(textures, four_colors()), HasSubstr("refers to too many others"));
+}
+
+}  // namespace
+}  // namespace tessera::core::test

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cameras, films, filters, samplers and integrators of pbrt files.
+#include <gmock/gmock.h>
+
+#include "core/camera/camera.hpp"
+#include "tests/unit/core_scene_pbrt/pbrt_scene.hpp"
+
+namespace tessera::core::test {
+namespace {
+
+using testing::HasSubstr;
+
+SceneDescription seen_by(const std::string& before_world) {
+  return pbrt_scene(before_world + "\nWorldBegin Shape \"sphere\"\n");
+}
+
+TEST(PbrtView, DefaultsAreThoseOfTheFormat) {
+  const SceneDescription scene = seen_by("");
+  EXPECT_EQ(scene.settings.width_px, 1280);
+  EXPECT_EQ(scene.settings.height_px, 720);
+  EXPECT_EQ(scene.settings.spp, 16u);
+  EXPECT_EQ(scene.settings.max_depth, 5);
+  EXPECT_EQ(scene.settings.filter, (PixelFilter{FilterKind::kGaussian, 1.5f}));
+  EXPECT_NEAR(scene.camera.vertical_fov_degrees, 90, 1e-3);
+}
+
+TEST(PbrtView, SettingsAreRead) {
+  const SceneDescription scene = seen_by(
+      "Film \"rgb\" \"integer xresolution\" 80 \"integer yresolution\" 60 \"string filename\" \"a.exr\"\n"
+      "Sampler \"zsobol\" \"integer pixelsamples\" 7 Integrator \"volpath\" \"integer maxdepth\" 3\n"
+      "PixelFilter \"triangle\" \"float xradius\" 1 \"float yradius\" 1\n"
+      "Option \"integer seed\" 4 Accelerator \"bvh\"\n");
+  EXPECT_EQ(scene.settings.width_px, 80);
+  EXPECT_EQ(scene.settings.height_px, 60);
+  EXPECT_EQ(scene.settings.spp, 7u);
+  EXPECT_EQ(scene.settings.max_depth, 3);
+  EXPECT_EQ(scene.settings.seed, 4u);
+  EXPECT_EQ(scene.settings.filter, (PixelFilter{FilterKind::kTent, 1}));
+  EXPECT_EQ(warnings_of(scene), "");
+}
+
+TEST(PbrtView, TheFieldOfViewIsThatOfTheShorterAxis) {
+  const std::string camera = "Camera \"perspective\" \"float fov\" 60\n";
+  const auto fov = [&](int width, int height) {
+    return seen_by(camera + "Film \"rgb\" \"integer xresolution\" " + std::to_string(width) +
+                   " \"integer yresolution\" " + std::to_string(height))
+        .camera.vertical_fov_degrees;
+  };
+  EXPECT_NEAR(fov(200, 100), 60, 1e-3);
+  // tan 30 degrees times 2.
+  EXPECT_NEAR(fov(100, 200), 2 * 49.10661, 1e-3);
+}
+
+TEST(PbrtView, CropWindowsAreRoundedUp) {
+  const std::string film = "Film \"rgb\" \"integer xresolution\" 100 \"integer yresolution\" 50 ";
+  EXPECT_EQ(seen_by(film + "\"float cropwindow\" [0.101 0.5 0 0.5]").settings.crop,
+            (PixelRect{11, 0, 50, 25}));
+  EXPECT_EQ(seen_by(film + "\"integer pixelbounds\" [10 20 5 50]").settings.crop, (PixelRect{10, 5, 20, 50}));
+  EXPECT_FALSE(seen_by(film).settings.crop);
+}
+
+TEST(PbrtView, ScreenWindowsShiftTheLens) {
+  const SceneDescription scene = seen_by(
+      "Camera \"perspective\" \"float fov\" 90 \"float screenwindow\" [0 1 -0.5 0.5]\n"
+      "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64");
+  EXPECT_NEAR(scene.camera.lens_shift.x, 0.5, 1e-6);
+  EXPECT_NEAR(scene.camera.lens_shift.y, 0, 1e-6);
+  EXPECT_NEAR(scene.camera.vertical_fov_degrees, 2 * 26.56505, 1e-3);
+}
+
+// The direction of the ray through the point of an image of 64 x 64 pixels.
+Vec3 view_direction(const SceneDescription& scene, Vec2 raster) {
+  return Camera(scene.camera).ray(raster, 64, 64, {0.5f, 0.5f}).direction;
+}
+
+TEST(PbrtView, LeftHandedCamerasMirrorTheImage) {
+  // x is to the right and y up, seen along +z.
+  const std::string film = "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\n";
+  const SceneDescription scene = pbrt_scene(film +
+                                            "LookAt 0 0 -5  0 0 0  0 1 0 Camera \"perspective\" WorldBegin\n"
+                                            "Translate 1 2 0 Shape \"sphere\"\n");
+  const Vec3 center = std::get<SphereDescription>(scene.shapes.at(0)).center;
+  const Vec3 right = view_direction(scene, {64, 32}) - view_direction(scene, {0, 32});
+  const Vec3 up = view_direction(scene, {32, 0}) - view_direction(scene, {32, 64});
+  EXPECT_GT(dot(right, center - scene.camera.position), 0.5f);
+  EXPECT_GT(dot(up, center - scene.camera.position), 0.5f);
+  EXPECT_EQ(center, (Vec3{1, 2, 0}));
+}
+
+TEST(PbrtView, RightHandedCamerasDoNot) {
+  const SceneDescription scene = pbrt_scene(
+      "Scale -1 1 1 LookAt 0 0 5  0 0 0  0 1 0 Camera \"perspective\" WorldBegin Translate 1 2 0 Shape "
+      "\"sphere\"\n");
+  EXPECT_EQ(std::get<SphereDescription>(scene.shapes.at(0)).center, (Vec3{1, 2, 0}));
+  EXPECT_FALSE(scene.camera.mirrored);
+  EXPECT_EQ(scene.camera.position, (Vec3{0, 0, 5}));
+  EXPECT_GT((view_direction(scene, {64, 32}) - view_direction(scene, {0, 32})).x, 0);
+}
+
+TEST(PbrtView, LensesAreInTheSpaceOfTheCamera) {
+  // The camera's space is half as large as the world.
+  const SceneDescription scene =
+      seen_by("Scale 0.5 0.5 0.5 Camera \"perspective\" \"float lensradius\" 0.1 \"float focaldistance\" 3");
+  EXPECT_NEAR(scene.camera.aperture_radius, 0.2, 1e-6);
+  EXPECT_NEAR(scene.camera.focus_distance, 6, 1e-5);
+}
+
+TEST(PbrtView, OtherCameras) {
+  const SceneDescription flat = seen_by(
+      "Camera \"orthographic\" \"float screenwindow\" [-2 2 -1 1]\n"
+      "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100");
+  EXPECT_EQ(flat.camera.type, CameraType::kOrthographic);
+  EXPECT_FLOAT_EQ(flat.camera.view_height, 2);
+  const SceneDescription around = seen_by("Camera \"spherical\" \"string mapping\" \"equirectangular\"");
+  EXPECT_EQ(around.camera.type, CameraType::kPanoramic);
+  EXPECT_EQ(warnings_of(around), "");
+  EXPECT_THAT(warnings_of(seen_by("Camera \"realistic\" \"string lensfile\" \"a.dat\"")),
+              HasSubstr("approximated by a perspective camera"));
+}
+
+TEST(PbrtView, TheSensorScalesAllLight) {
+  const std::string world = "\nWorldBegin AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [1 2 3]\n" +
+                            kPbrtTriangle + "AttributeEnd\nLightSource \"point\" \"rgb I\" [1 1 1]\n";
+  const SceneDescription scene = pbrt_scene(
+      "Camera \"perspective\" \"float shutteropen\" 0 \"float shutterclose\" 0.5 Film \"rgb\" \"float iso\" "
+      "400" +
+      world);
+  EXPECT_EQ(scene.materials.at(0).emission.value, (Rgb{2, 4, 6}));
+  EXPECT_EQ(std::get<PointLightDescription>(scene.lights.at(0)).intensity, Rgb::gray(2));
+  EXPECT_EQ(warnings_of(scene), "");
+}
+
+TEST(PbrtView, WhiteBalanceMakesItsWhiteGray) {
+  const SceneDescription scene = pbrt_scene(
+      "Film \"rgb\" \"float whitebalance\" 5003 WorldBegin\n"
+      "LightSource \"infinite\" \"spectrum L\" \"stdillum-D50\" Shape \"sphere\"\n");
+  const Rgb white = scene.environment->radiance.value;
+  EXPECT_NEAR(white.r, 1, 0.01);
+  EXPECT_NEAR(white.g, 1, 0.01);
+  EXPECT_NEAR(white.b, 1, 0.01);
+}
+
+TEST(PbrtView, UnknownSettingsAreTold) {
+  const std::string warnings =
+      warnings_of(seen_by("Integrator \"ao\" PixelFilter \"mitchell\" Sampler \"halton\" \"float magic\" 1\n"
+                          "Film \"gbuffer\" \"float maxcomponentvalue\" 10"));
+  EXPECT_THAT(warnings, HasSubstr("scene.pbrt:1: the integrator 'ao' is not supported"));
+  EXPECT_THAT(warnings, HasSubstr("scene.pbrt:1: the pixel filter 'mitchell' is not supported"));
+  EXPECT_THAT(warnings, HasSubstr("scene.pbrt:1: the parameter 'magic' of the sampler is not supported"));
+  EXPECT_THAT(warnings, HasSubstr("scene.pbrt:2: the film 'gbuffer' is not supported"));
+  EXPECT_THAT(warnings,
+              HasSubstr("scene.pbrt:2: the parameter 'maxcomponentvalue' of the film is not supported"));
+}
+
+}  // namespace
+}  // namespace tessera::core::test
