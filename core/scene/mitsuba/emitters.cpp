@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/mitsuba/emitters.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace tessera::core::mitsuba {
+namespace {
+
+// The rotation of a map, without its scale and offset. Its axes are orthogonal.
+Transform rotation_of(const Transform& t) {
+  const Vec3 x = normalize(t.x_axis);
+  const Vec3 y = normalize(t.y_axis - x * dot(x, t.y_axis));
+  const Vec3 z = cross(x, y);
+  return {x, y, dot(z, t.z_axis) < 0 ? -z : z, {}};
+}
+
+bool is_orthonormal(const Transform& t) {
+  constexpr float kTolerance = 1e-3f;
+  const Transform r = rotation_of(t);
+  const auto same = [&](Vec3 a, Vec3 b) { return length(a - b) <= kTolerance; };
+  return same(t.x_axis, r.x_axis) && same(t.y_axis, r.y_axis) && same(t.z_axis, r.z_axis);
+}
+
+bool has_finite_axes(const Transform& t) {
+  return core::is_finite(t.x_axis) && core::is_finite(t.y_axis) && core::is_finite(t.z_axis);
+}
+
+}  // namespace
+
+void EmitterConverter::add(const Plugin& emitter, bool hide) {
+  emitter.ignore({"sampling_weight"});
+  const std::string& type = emitter.type();
+  if (type == "point") return add_point(emitter);
+  if (type == "spot") return add_spot(emitter);
+  if (type == "directional") return add_directional(emitter);
+  if (type == "constant") return set_constant(emitter, hide);
+  if (type == "envmap") return set_image(emitter, hide);
+  emitter.warn("this emitter is not supported here; it is left out");
+  emitter.ignore_all();
+}
+
+Rgb EmitterConverter::color(const Plugin& emitter, std::string_view name) {
+  const ColorParameter found =
+      textures_.color(emitter, name, Rgb::gray(1), {}, std::numeric_limits<float>::max());
+  if (found.texture < 0) return found.value;
+  emitter.warn(fmt::format("the mean replaces the texture of '{}'", name));
+  const auto& textures = conversion_.builder.scene().textures;
+  return found.value * textures[static_cast<std::size_t>(found.texture)].image->mean();
+}
+
+void EmitterConverter::add_point(const Plugin& emitter) {
+  PointLightDescription light;
+  light.position = emitter.vector("position").value_or(emitter.transform("to_world").origin);
+  light.intensity = color(emitter, "intensity");
+  conversion_.builder.add_light(light);
+}
+
+void EmitterConverter::add_spot(const Plugin& emitter) {
+  const Transform to_world = emitter.transform("to_world");
+  constexpr float kWidest = 90, kNarrowest = 0.01f;  // half angles, in degrees
+  const float cutoff = std::clamp(emitter.real("cutoff_angle", 20), kNarrowest, kWidest);
+  const float beam = std::clamp(emitter.real("beam_width", cutoff * 0.75f), 0.0f, cutoff);
+  if (emitter.has("texture")) emitter.warn("the projected texture is left out");
+  if (beam < cutoff)
+    emitter.warn("the falloff from 'beam_width' to 'cutoff_angle' is smooth instead of linear");
+  SpotLightDescription light;
+  light.position = to_world.origin;
+  light.look_at = to_world.origin + normalize(to_world.z_axis);
+  light.intensity = color(emitter, "intensity");
+  light.angle_degrees = 2 * cutoff;
+  light.softness = (cutoff - beam) / cutoff;
+  conversion_.builder.add_light(light);
+}
+
+void EmitterConverter::add_directional(const Plugin& emitter) {
+  DirectionalLightDescription light;
+  light.direction = emitter.vector("direction").value_or(emitter.transform("to_world").z_axis);
+  light.irradiance = color(emitter, "irradiance");
+  if (light.direction == Vec3{}) {
+    emitter.warn("its direction is 0; it is left out");
+    return;
+  }
+  conversion_.builder.add_light(light);
+}
+
+void EmitterConverter::set_constant(const Plugin& emitter, bool hide) {
+  EnvironmentDescription environment;
+  environment.radiance = {color(emitter, "radiance"), -1};
+  set_environment(emitter, std::move(environment), hide);
+}
+
+// Mitsuba's maps have -z at their left edge; those here have it in the centre.
+void EmitterConverter::set_image(const Plugin& emitter, bool hide) {
+  emitter.ignore({"mis_compensation"});
+  const auto image = textures_.environment_image(emitter);
+  const float scale = std::max(emitter.real("scale", 1), 0.0f);
+  Transform to_world = emitter.transform("to_world");
+  if (!image) return;
+  if (!is_orthonormal(to_world)) {
+    emitter.warn("'to_world' is no rotation; the nearest one replaces it");
+    to_world = rotation_of(to_world);
+    if (!has_finite_axes(to_world)) to_world = {};
+  }
+  EnvironmentDescription environment;
+  environment.radiance = {Rgb::gray(scale), conversion_.builder.add_texture(*image)};
+  environment.rotation_degrees = 180;
+  environment.orientation = rotation_of(to_world);
+  set_environment(emitter, std::move(environment), hide);
+}
+
+void EmitterConverter::set_environment(const Plugin& emitter, EnvironmentDescription environment, bool hide) {
+  if (conversion_.builder.scene().environment) {
+    emitter.warn("the scene has an environment already, which is kept");
+    return;
+  }
+  environment.visible_to_camera = !hide;
+  conversion_.builder.set_environment(std::move(environment));
+}
+
+}  // namespace tessera::core::mitsuba

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Converts Mitsuba's emitters that are not part of shapes. Not thread-safe.
+#pragma once
+
+#include "core/scene/mitsuba/plugin.hpp"
+#include "core/scene/mitsuba/textures.hpp"
+
+namespace tessera::core::mitsuba {
+
+class EmitterConverter {
+ public:
+  EmitterConverter(Conversion& conversion, TextureConverter& textures)
+      : conversion_(conversion), textures_(textures) {}
+
+  // `hide` hides environments from the camera.
+  void add(const Plugin& emitter, bool hide);
+
+ private:
+  Rgb color(const Plugin& emitter, std::string_view name);
+  void add_point(const Plugin& emitter);
+  void add_spot(const Plugin& emitter);
+  void add_directional(const Plugin& emitter);
+  void set_constant(const Plugin& emitter, bool hide);
+  void set_image(const Plugin& emitter, bool hide);
+  void set_environment(const Plugin& emitter, EnvironmentDescription environment, bool hide);
+
+  Conversion& conversion_;
+  TextureConverter& textures_;
+};
+
+}  // namespace tessera::core::mitsuba

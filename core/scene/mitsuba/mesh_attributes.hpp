@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Makes textures of the attributes of meshes. Not thread-safe.
+#pragma once
+
+#include "core/scene/mitsuba/meshes.hpp"
+#include "core/scene/mitsuba/textures.hpp"
+
+namespace tessera::core::mitsuba {
+
+// Gives each triangle its own vertices, and its own block of texels in images of the attributes; the texture
+// coordinates of the mesh become those of the blocks. "color_0", "color_1" and "color_2" of vertices are
+// "vertex_color", "weight_0" of triangles is "face_weight", as Mitsuba names them; vertex colours are
+// "vertex_color", too. Values below 0 become 0. Exact otherwise: lookups interpolate as triangles do.
+// A limit that is exceeded is an error in `conversion`.
+AttributeTextures make_attribute_textures(Conversion& conversion, const Plugin& shape, ShapeMesh& mesh);
+
+// The means of the attributes as constant textures, for meshes that need their own texture coordinates.
+AttributeTextures mean_attributes(Conversion& conversion, const ShapeMesh& mesh);
+
+}  // namespace tessera::core::mitsuba

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/mitsuba/plugin.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/base/printable.hpp"
+#include "core/base/suggestion.hpp"
+
+namespace tessera::core::mitsuba {
+namespace {
+
+std::string shown_node(const Node& node) {
+  return fmt::format("<{} type=\"{}\">", tag_of(node.kind), printable(node.type));
+}
+
+}  // namespace
+
+std::optional<std::string> Conversion::find_file(const std::string& written) const {
+  return builder.find(written, graph.folders);
+}
+
+Plugin::Plugin(Conversion& conversion, NodeId id) : conversion_(&conversion), id_(id) {
+  node().visited = true;
+}
+
+std::string Plugin::shown() const {
+  return shown_node(node());
+}
+
+const Property* Plugin::property(std::string_view name) const {
+  auto& properties = node().properties;
+  const auto found = std::find_if(properties.begin(), properties.end(),
+                                  [&](const Property& p) { return p.name == name && !p.name.empty(); });
+  if (found == properties.end()) return nullptr;
+  found->used = true;
+  return &*found;
+}
+
+bool Plugin::has(std::string_view name) const {
+  return property(name) != nullptr;
+}
+
+template <typename T>
+const T* Plugin::value(std::string_view name, std::string_view type_name) const {
+  const Property* found = property(name);
+  if (found == nullptr) return nullptr;
+  const T* typed = std::get_if<T>(&found->value);
+  if (typed == nullptr) warn(fmt::format("'{}' is no {}; it is left out", name, type_name));
+  return typed;
+}
+
+double Plugin::number(std::string_view name, double otherwise) const {
+  const Property* found = property(name);
+  if (found != nullptr)
+    if (const auto* whole = std::get_if<std::int64_t>(&found->value)) return static_cast<double>(*whole);
+  const double* number = value<double>(name, "number");
+  return number == nullptr ? otherwise : *number;
+}
+
+std::int64_t Plugin::integer(std::string_view name, std::int64_t otherwise) const {
+  const auto* number = value<std::int64_t>(name, "whole number");
+  return number == nullptr ? otherwise : *number;
+}
+
+bool Plugin::flag(std::string_view name, bool otherwise) const {
+  const bool* is_set = value<bool>(name, "boolean");
+  return is_set == nullptr ? otherwise : *is_set;
+}
+
+std::optional<std::string> Plugin::text(std::string_view name) const {
+  const auto* string = value<std::string>(name, "string");
+  return string == nullptr ? std::nullopt : std::optional(*string);
+}
+
+std::optional<Vec3> Plugin::vector(std::string_view name) const {
+  const auto* three = value<Vec3>(name, "vector");
+  return three == nullptr ? std::nullopt : std::optional(*three);
+}
+
+Transform Plugin::transform(std::string_view name) const {
+  const auto* map = value<Transform>(name, "transform");
+  return map == nullptr ? Transform{} : *map;
+}
+
+std::optional<Plugin> Plugin::child(std::string_view name) const {
+  const Property* found = property(name);
+  const auto* object = found == nullptr ? nullptr : std::get_if<Child>(&found->value);
+  return object == nullptr ? std::nullopt : std::optional(Plugin(*conversion_, object->node));
+}
+
+std::vector<Plugin> Plugin::children(Kind kind) const {
+  std::vector<Plugin> found;
+  for (Property& entry : node().properties) {
+    const auto* object = std::get_if<Child>(&entry.value);
+    if (object == nullptr || conversion_->graph.nodes[object->node].kind != kind) continue;
+    entry.used = true;
+    found.emplace_back(*conversion_, object->node);
+  }
+  return found;
+}
+
+std::optional<Plugin> Plugin::first_child(Kind kind) const {
+  const std::vector<Plugin> all = children(kind);
+  return all.empty() ? std::nullopt : std::optional(all.front());
+}
+
+void Plugin::ignore(std::initializer_list<std::string_view> names) const {
+  for (const std::string_view name : names) property(name);
+}
+
+void Plugin::ignore(Kind kind) const {
+  for (Property& entry : node().properties) {
+    const auto* object = std::get_if<Child>(&entry.value);
+    if (object != nullptr && conversion_->graph.nodes[object->node].kind == kind) entry.used = true;
+  }
+}
+
+void Plugin::ignore_all() const {
+  for (Property& entry : node().properties) entry.used = true;
+}
+
+void Plugin::warn(std::string_view what) const {
+  conversion_->builder.warn(file(), where().line, fmt::format("{} {}", type(), what),
+                            [&] { return fmt::format("{}: {}", shown(), what); });
+}
+
+void warn_of_unused(Conversion& conversion) {
+  const SceneGraph& graph = conversion.graph;
+  for (const Node& node : graph.nodes) {
+    if (!node.visited) continue;
+    for (const Property& property : node.properties) {
+      if (property.used) continue;
+      const auto* child = std::get_if<Child>(&property.value);
+      const std::string what = child != nullptr && property.name.empty()
+                                   ? shown_node(graph.nodes[child->node])
+                                   : fmt::format("the parameter {}", in_quotes(property.name));
+      conversion.builder.warn(graph.files[property.where.file], property.where.line,
+                              fmt::format("unused {} {}", node.type, what),
+                              [&] { return fmt::format("{}: {} is ignored", shown_node(node), what); });
+    }
+  }
+}
+
+Rgb rgb_of(const Samples& samples) {
+  const Rgb rgb = to_linear_rec709(integrate_to_xyz(samples));
+  return {std::max(rgb.r, 0.0f), std::max(rgb.g, 0.0f), std::max(rgb.b, 0.0f)};
+}
+
+}  // namespace tessera::core::mitsuba

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// Access to a plugin's properties while a Mitsuba scene is converted. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/scene/import/scene_builder.hpp"
+#include "core/scene/mitsuba/scene_graph.hpp"
+
+namespace tessera::core::mitsuba {
+
+// What converters share: the scene as written, and as it becomes. Both must outlive this object.
+struct Conversion {
+  SceneBuilder& builder;
+  SceneGraph& graph;
+  Status status{};  // the first error that makes the whole scene fail: it exceeds a limit
+
+  void check(const Status& done) {
+    if (!done && status) status = done;
+  }
+
+  // The path of a file that the scene names; nullopt if there is none.
+  std::optional<std::string> find_file(const std::string& written) const;
+};
+
+// A node, whose properties are marked as used when they are asked for. A property of a wrong type counts as
+// missing, with a warning. A handle; cheap to copy.
+class Plugin {
+ public:
+  Plugin(Conversion& conversion, NodeId id);
+
+  NodeId id() const { return id_; }
+  Kind kind() const { return node().kind; }
+  const std::string& type() const { return node().type; }
+  const std::string& name() const { return node().id; }  // its id
+  const Location& where() const { return node().where; }
+  const std::string& file() const { return conversion_->graph.files[where().file]; }
+  // For messages: "<bsdf type="plastic">".
+  std::string shown() const;
+
+  bool has(std::string_view name) const;
+  double number(std::string_view name, double otherwise) const;
+  float real(std::string_view name, float otherwise) const {
+    return static_cast<float>(number(name, static_cast<double>(otherwise)));
+  }
+  std::int64_t integer(std::string_view name, std::int64_t otherwise) const;
+  bool flag(std::string_view name, bool otherwise) const;
+  // nullopt if there is none, or it is no string.
+  std::optional<std::string> text(std::string_view name) const;
+  std::optional<Vec3> vector(std::string_view name) const;
+  // The identity if there is none.
+  Transform transform(std::string_view name) const;
+  std::optional<Plugin> child(std::string_view name) const;
+  // The objects of a kind, under any name.
+  std::vector<Plugin> children(Kind kind) const;
+  std::optional<Plugin> first_child(Kind kind) const;
+  // The value of any type; null if there is none.
+  const Property* property(std::string_view name) const;
+
+  // Marks properties as used that have no effect on the expected image.
+  void ignore(std::initializer_list<std::string_view> names) const;
+  // Marks the objects of a kind as used, without looking at them.
+  void ignore(Kind kind) const;
+  // Marks everything as used, of a plugin that is left out as a whole.
+  void ignore_all() const;
+  // Says at the plugin what is approximated or left out, and what is done instead. `what` continues
+  // "<bsdf type="...">: ". Equal warnings about a type are counted.
+  void warn(std::string_view what) const;
+
+ private:
+  Node& node() const { return conversion_->graph.nodes[id_]; }
+  // The value if there is one of this type; a warning if it has another.
+  template <typename T>
+  const T* value(std::string_view name, std::string_view type_name) const;
+
+  Conversion* conversion_;
+  NodeId id_;
+};
+
+// Warns of all properties of converted plugins that no converter has asked for.
+void warn_of_unused(Conversion& conversion);
+
+// The colour of samples as the RGB variants of Mitsuba integrate them: without an illuminant, clamped to 0.
+Rgb rgb_of(const Samples& samples);
+
+}  // namespace tessera::core::mitsuba

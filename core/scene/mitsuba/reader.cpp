@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <utility>
+
+#include "core/scene/import/front_ends.hpp"
+#include "core/scene/import/scene_builder.hpp"
+#include "core/scene/mitsuba/emitters.hpp"
+#include "core/scene/mitsuba/materials.hpp"
+#include "core/scene/mitsuba/media.hpp"
+#include "core/scene/mitsuba/plugin.hpp"
+#include "core/scene/mitsuba/sensor.hpp"
+#include "core/scene/mitsuba/shapes.hpp"
+#include "core/scene/mitsuba/textures.hpp"
+#include "core/scene/mitsuba/xml_reader.hpp"
+
+namespace tessera::core {
+namespace mitsuba {
+namespace {
+
+void convert_scene(Conversion& conversion) {
+  const Plugin scene(conversion, 0);
+  bool hide = false;
+  for (const Plugin& integrator : scene.children(Kind::kIntegrator))
+    hide = set_integrator(conversion, integrator);
+  const std::vector<Plugin> sensors = scene.children(Kind::kSensor);
+  if (!sensors.empty()) set_sensor(conversion, sensors.front());
+  if (sensors.size() > 1) scene.warn("has several sensors; the first one is used");
+  TextureConverter textures(conversion);
+  MaterialConverter materials(conversion, textures);
+  MediumConverter media(conversion);
+  ShapeConverter shapes(conversion, materials, media);
+  EmitterConverter emitters(conversion, textures);
+  for (const Plugin& emitter : scene.children(Kind::kEmitter)) emitters.add(emitter, hide);
+  for (const Plugin& shape : scene.children(Kind::kShape)) {
+    if (!conversion.status) return;
+    shapes.add(shape);
+  }
+  // Those that shapes refer to.
+  for (const Kind kind : {Kind::kBsdf, Kind::kTexture, Kind::kMedium, Kind::kVolume, Kind::kPhase})
+    scene.ignore(kind);
+}
+
+}  // namespace
+}  // namespace mitsuba
+
+Result<SceneDescription> read_mitsuba_scene(AssetSource& assets, const std::string& scene_path,
+                                            const std::string& display_path, const SceneLimits& limits) {
+  SceneBuilder builder(assets, scene_path, display_path, limits);
+  auto graph = mitsuba::read_scene_graph(builder);
+  if (!graph) return fail(graph.error());
+  mitsuba::Conversion conversion{builder, *graph};
+  mitsuba::convert_scene(conversion);
+  if (!conversion.status) return fail(conversion.status.error().within(display_path));
+  mitsuba::warn_of_unused(conversion);
+  return builder.finish({.camera = true, .studio_light = false});
+}
+
+}  // namespace tessera::core

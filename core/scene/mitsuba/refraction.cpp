@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/mitsuba/refraction.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "core/base/suggestion.hpp"
+#include "core/materials/material.hpp"
+
+namespace tessera::core::mitsuba {
+namespace {
+
+constexpr std::pair<std::string_view, float> kDielectrics[] = {
+    {"vacuum", 1.0f},      {"helium", 1.000036f},        {"hydrogen", 1.000132f},
+    {"air", 1.000277f},    {"carbon dioxide", 1.00045f}, {"water", 1.3330f},
+    {"acetone", 1.36f},    {"ethanol", 1.361f},          {"carbon tetrachloride", 1.461f},
+    {"glycerol", 1.4729f}, {"benzene", 1.501f},          {"silicone oil", 1.52045f},
+    {"bromine", 1.661f},   {"water ice", 1.31f},         {"fused quartz", 1.458f},
+    {"pyrex", 1.470f},     {"acrylic glass", 1.49f},     {"polypropylene", 1.49f},
+    {"bk7", 1.5046f},      {"sodium chloride", 1.544f},  {"amber", 1.55f},
+    {"pet", 1.5750f},      {"diamond", 2.419f},
+};
+
+constexpr std::pair<std::string_view, Conductor> kMetals[] = {
+    {"Cu", Conductor::kCopper},   {"Cu_palik", Conductor::kCopper},     {"Au", Conductor::kGold},
+    {"Ag", Conductor::kSilver},   {"Al", Conductor::kAluminium},        {"CuZn", Conductor::kBrass},
+    {"Cr", Conductor::kChromium}, {"Ni_palik", Conductor::kNickel},     {"W", Conductor::kTungsten},
+    {"Hg", Conductor::kMercury},  {"TiN", Conductor::kTitaniumNitride},
+};
+
+char small_letter(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+}  // namespace
+
+std::optional<float> refractive_index(std::string_view name) {
+  std::string lower(name);
+  std::transform(lower.begin(), lower.end(), lower.begin(), small_letter);
+  for (const auto& [known, index] : kDielectrics)
+    if (known == lower) return index;
+  return std::nullopt;
+}
+
+float refractive_index(const Plugin& plugin, std::string_view name, std::string_view otherwise) {
+  const float missing = refractive_index(otherwise).value_or(1);
+  const Property* property = plugin.property(name);
+  if (property == nullptr) return missing;
+  const auto* written = std::get_if<std::string>(&property->value);
+  if (written == nullptr) return plugin.real(name, missing);
+  const auto known = refractive_index(*written);
+  if (!known)
+    plugin.warn(fmt::format("there is no dielectric {}; {} replaces it", in_quotes(*written), otherwise));
+  return known.value_or(missing);
+}
+
+std::optional<ComplexIndex> metal_index(std::string_view name) {
+  for (const auto& [known, metal] : kMetals)
+    if (known == name) return complex_index(metal);
+  return std::nullopt;
+}
+
+Boundary boundary_of(const Plugin& plugin, std::string_view default_inside) {
+  const float inside = refractive_index(plugin, "int_ior", default_inside);
+  const float outside = refractive_index(plugin, "ext_ior", "air");
+  if (!(inside > 0 && outside > 0)) {
+    plugin.warn("an index of refraction is not above 0; 1 replaces both");
+    return {};
+  }
+  const bool is_reversed = inside < outside;
+  const float ratio = is_reversed ? outside / inside : inside / outside;
+  if (ratio > kMaxIor)
+    plugin.warn(fmt::format("the ratio of the indices of refraction is limited to {}", kMaxIor));
+  return {std::min(ratio, kMaxIor), is_reversed};
+}
+
+}  // namespace tessera::core::mitsuba

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Converts Mitsuba's sensors, films, samplers and integrators. Not thread-safe.
+#pragma once
+
+#include "core/scene/mitsuba/plugin.hpp"
+
+namespace tessera::core::mitsuba {
+
+// Sets the camera and the settings of its film and sampler.
+void set_sensor(Conversion& conversion, const Plugin& sensor);
+
+// Sets the path length. Returns whether emitters are hidden from the camera.
+bool set_integrator(Conversion& conversion, const Plugin& integrator);
+
+}  // namespace tessera::core::mitsuba

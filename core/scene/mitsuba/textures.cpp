@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/mitsuba/textures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/base/printable.hpp"
+#include "core/base/suggestion.hpp"
+
+namespace tessera::core::mitsuba {
+namespace {
+
+constexpr float kNoTexture = 0.5f;  // what replaces a texture that cannot be had
+
+// Calls map(texel) for each texel, row by row from the top left.
+template <typename Map>
+TextureImage image_of(const TextureImage& image, const Map& map) {
+  std::vector<float> floats;
+  floats.reserve(std::size_t{3} * static_cast<std::size_t>(image.width()) *
+                 static_cast<std::size_t>(image.height()));
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x) {
+      const Rgb texel = map(image.texel(x, y));
+      floats.insert(floats.end(), {texel.r, texel.g, texel.b});
+    }
+  return TextureImage(image.width(), image.height(), std::move(floats));
+}
+
+bool is_gray(Rgb c) {
+  return c.r == c.g && c.g == c.b;
+}
+bool is_gray(const TextureImage& image) {
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x)
+      if (!is_gray(image.texel(x, y))) return false;
+  return true;
+}
+
+// A colour where a number is wanted.
+float as_number(Rgb c) {
+  return is_gray(c) ? c.r : luminance(c);
+}
+
+// Two by two fields, as large as the sharpness of the edges between them needs: lookups interpolate.
+TextureImage checkerboard_image(Rgb first, Rgb second) {
+  constexpr int kSide = 256;
+  std::vector<float> floats;
+  floats.reserve(std::size_t{3} * kSide * kSide);
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const Rgb color = (x < kSide / 2) == (y < kSide / 2) ? first : second;
+      floats.insert(floats.end(), {color.r, color.g, color.b});
+    }
+  return TextureImage(kSide, kSide, std::move(floats));
+}
+
+// A linear map of texture coordinates, and an offset.
+struct UvMap {
+  Vec2 u_column, v_column, offset;
+};
+
+// From a shape's texture coordinates to those of an image whose first row is at v = 1, for a `to_uv` that
+// leads to coordinates where it is at v = 0.
+UvMap uv_map(const Transform& to_uv, UvLayout layout) {
+  // A matrix of 3 x 3 has the offset in its third column.
+  const Vec2 offset{to_uv.origin.x + to_uv.z_axis.x, to_uv.origin.y + to_uv.z_axis.y};
+  const Vec2 u{to_uv.x_axis.x, -to_uv.x_axis.y}, v{to_uv.y_axis.x, -to_uv.y_axis.y};
+  const Vec2 start{offset.x, 1 - offset.y};
+  switch (layout) {
+    case UvLayout::kSame:
+      break;
+    case UvLayout::kReversedV:
+      return {u, v * -1.0f, start + v};
+    case UvLayout::kDisk:
+      return {v, u * -1.0f, start + u};
+  }
+  return {u, v, start};
+}
+
+Wrap wrap_of(const Plugin& plugin) {
+  const std::string mode = plugin.text("wrap_mode").value_or("repeat");
+  if (mode == "repeat") return Wrap::kRepeat;
+  if (mode == "clamp") return Wrap::kClamp;
+  if (mode == "mirror") return Wrap::kMirror;
+  plugin.warn(fmt::format("the wrap_mode {} is not known; the texture is repeated", in_quotes(mode)));
+  return Wrap::kRepeat;
+}
+
+}  // namespace
+
+ColorParameter TextureConverter::color(const Plugin& owner, std::string_view name, Rgb otherwise,
+                                       const TextureSite& site, float largest) {
+  const auto found = value(owner, name, site);
+  if (!found) return {otherwise, -1};
+  if (found->texture) return {found->factor, conversion_.builder.add_texture(*found->texture)};
+  const Rgb c = found->factor;
+  const auto bounded = [&](float channel) { return std::clamp(channel, 0.0f, largest); };
+  const Rgb clamped{bounded(c.r), bounded(c.g), bounded(c.b)};
+  if (clamped != c) owner.warn(fmt::format("'{}' is clamped to between 0 and {}", name, largest));
+  return {clamped, -1};
+}
+
+ScalarParameter TextureConverter::scalar(const Plugin& owner, std::string_view name, float otherwise,
+                                         const TextureSite& site, TexelMap map) {
+  const auto apply = [&](float number) {
+    return map == TexelMap::kSquareRoot ? std::sqrt(std::max(number, 0.0f)) : number;
+  };
+  auto found = value(owner, name, site);
+  if (!found) return apply(otherwise);
+  if (!found->texture) return apply(as_number(found->factor));
+  found->texture->image = mapped(found->texture->image, map);
+  return {apply(as_number(found->factor)), conversion_.builder.add_texture(*found->texture)};
+}
+
+int TextureConverter::normal_map(const Plugin& plugin, const TextureSite& site) {
+  Value normals = texture(plugin, site);
+  if (!normals.texture) {
+    plugin.warn("is no image; the normal map is left out");
+    return -1;
+  }
+  Texture& map = *normals.texture;
+  map.image = with_signs(map.image, map.scale.x < 0, map.scale.y < 0);
+  return conversion_.builder.add_texture(map);
+}
+
+int TextureConverter::height_map(const Plugin& plugin, const TextureSite& site) {
+  Value heights = texture(plugin, site);
+  if (!heights.texture) return -1;
+  heights.texture->image = mapped(heights.texture->image, TexelMap::kLuminance);
+  return conversion_.builder.add_texture(*heights.texture);
+}
+
+std::optional<Texture> TextureConverter::environment_image(const Plugin& emitter) {
+  Texture texture;
+  texture.image = load(emitter, ColorSpace::kSrgb);
+  return texture.image ? std::optional(texture) : std::nullopt;
+}
+
+std::optional<TextureConverter::Value> TextureConverter::value(const Plugin& owner, std::string_view name,
+                                                               const TextureSite& site) {
+  const Property* property = owner.property(name);
+  if (property == nullptr) return std::nullopt;
+  if (const auto* number = std::get_if<double>(&property->value))
+    return Value{Rgb::gray(static_cast<float>(*number)), {}};
+  if (const auto* whole = std::get_if<std::int64_t>(&property->value))
+    return Value{Rgb::gray(static_cast<float>(*whole)), {}};
+  if (const auto* rgb = std::get_if<Rgb>(&property->value)) return Value{*rgb, {}};
+  if (const auto* samples = std::get_if<Samples>(&property->value)) return Value{rgb_of(*samples), {}};
+  if (const auto child = owner.child(name); child && child->kind() == Kind::kTexture)
+    return texture(*child, site);
+  owner.warn(fmt::format("'{}' is no colour, number or texture; its default is used", name));
+  return std::nullopt;
+}
+
+TextureConverter::Value TextureConverter::texture(const Plugin& plugin, const TextureSite& site) {
+  const std::tuple key(plugin.id(), site.layout, site.attributes);
+  if (const auto known = known_.find(key); known != known_.end()) return known->second;
+  Value made = convert(plugin, site);
+  return known_.emplace(key, std::move(made)).first->second;
+}
+
+TextureConverter::Value TextureConverter::convert(const Plugin& plugin, const TextureSite& site) {
+  const std::string& type = plugin.type();
+  if (type == "bitmap") return bitmap(plugin, site);
+  if (type == "checkerboard") return checkerboard(plugin, site);
+  if (type == "mesh_attribute") return attribute(plugin, site);
+  if (type == "uniform" || type == "srgb" || type == "rgb") {
+    const auto constant = value(plugin, plugin.has("color") ? "color" : "value", site);
+    return constant.value_or(Value{});
+  }
+  if (type == "d65") {
+    auto constant = value(plugin, "color", site).value_or(Value{});
+    constant.factor *= plugin.real("scale", 1);
+    return constant;
+  }
+  if (type == "regular" || type == "irregular") {
+    plugin.ignore({"wavelengths", "values", "lambda_min", "lambda_max"});
+    plugin.warn(
+        fmt::format("the constant {} replaces its samples; <spectrum value=\"...\"> is read", kNoTexture));
+    return {Rgb::gray(kNoTexture), {}};
+  }
+  plugin.warn(fmt::format("this texture is not supported; the constant {} replaces it", kNoTexture));
+  return {Rgb::gray(kNoTexture), {}};
+}
+
+TextureConverter::Value TextureConverter::bitmap(const Plugin& plugin, const TextureSite& site) {
+  Texture result;
+  result.wrap = wrap_of(plugin);
+  const bool raw = plugin.flag("raw", false);
+  if (plugin.text("filter_type").value_or("bilinear") != "bilinear")
+    plugin.warn("the filter_type is 'bilinear' instead of the one given");
+  plugin.ignore({"format", "accel"});
+  result.image = load(plugin, raw ? ColorSpace::kLinear : ColorSpace::kSrgb);
+  place(plugin, site.layout, result);
+  if (!result.image) return {Rgb::gray(kNoTexture), {}};
+  return {Rgb::gray(1), std::move(result)};
+}
+
+TextureConverter::Value TextureConverter::checkerboard(const Plugin& plugin, const TextureSite& site) {
+  const auto field = [&](std::string_view name, float otherwise) {
+    const Value color = value(plugin, name, site).value_or(Value{Rgb::gray(otherwise), {}});
+    if (!color.texture) return color.factor;
+    plugin.warn("the mean replaces a texture inside of a checkerboard");
+    return color.factor * color.texture->image->mean();
+  };
+  const Rgb first = field("color0", 0.4f), second = field("color1", 0.2f);
+  Texture result;
+  Image& board = boards_[{first.r, first.g, first.b, second.r, second.g, second.b}];
+  if (!board) {
+    auto counted = conversion_.builder.image_pixels("checkerboard", checkerboard_image(first, second));
+    if (!counted) {
+      conversion_.check(fail(counted.error()));
+      return {first, {}};
+    }
+    board = *counted;
+  }
+  result.image = board;
+  place(plugin, site.layout, result);
+  return {Rgb::gray(1), std::move(result)};
+}
+
+TextureConverter::Value TextureConverter::attribute(const Plugin& plugin, const TextureSite& site) {
+  const std::string name = plugin.text("name").value_or("");
+  const Rgb factor = Rgb::gray(plugin.real("scale", 1));
+  if (site.attributes != nullptr) {
+    const auto found = site.attributes->find(name);
+    if (found != site.attributes->end()) return {factor, found->second};
+  }
+  plugin.warn(
+      fmt::format("the shape has no attribute {}; the constant {} replaces it", in_quotes(name), kNoTexture));
+  return {Rgb::gray(kNoTexture), {}};
+}
+
+void TextureConverter::place(const Plugin& plugin, UvLayout layout, Texture& texture) {
+  const UvMap map = uv_map(plugin.transform("to_uv"), layout);
+  texture.scale = {map.u_column.x, map.v_column.y};
+  texture.shear = {map.v_column.x, map.u_column.y};
+  texture.offset = map.offset;
+}
+
+TextureConverter::Image TextureConverter::load(const Plugin& plugin, ColorSpace color_space) {
+  const std::string written = plugin.text("filename").value_or("");
+  if (written.empty()) {
+    plugin.warn("lacks a 'filename'; it is left out");
+    return nullptr;
+  }
+  const auto path = conversion_.find_file(written);
+  if (!path) {
+    plugin.warn(fmt::format("{} does not exist; it is left out", in_quotes(written)));
+    return nullptr;
+  }
+  auto image = conversion_.builder.image_file(*path, {color_space, TextureChannel::kColor});
+  if (image) return *image;
+  if (image.error().code == ErrorCode::kResourceExhausted)
+    conversion_.check(fail(image.error()));
+  else
+    plugin.warn(image.error().message + "; it is left out");
+  return nullptr;
+}
+
+template <typename Make>
+TextureConverter::Image TextureConverter::derived(const Image& image, int key, const Make& make) {
+  auto& [original, made] = derived_[{image.get(), key}];
+  if (made) return made;
+  original = made = image;
+  auto counted = conversion_.builder.image_pixels("derived image", make());
+  if (counted)
+    made = *counted;
+  else
+    conversion_.check(fail(counted.error()));
+  return made;
+}
+
+TextureConverter::Image TextureConverter::mapped(const Image& image, TexelMap map) {
+  if (map == TexelMap::kLuminance && is_gray(*image)) return image;
+  return derived(image, static_cast<int>(map), [&] {
+    return image_of(*image, [&](Rgb texel) {
+      const float value = as_number(texel);
+      return Rgb::gray(map == TexelMap::kSquareRoot ? std::sqrt(value) : value);
+    });
+  });
+}
+
+TextureConverter::Image TextureConverter::with_signs(const Image& image, bool flip_red, bool flip_green) {
+  if (!flip_red && !flip_green) return image;
+  constexpr int kFirstKey = 8;  // behind those of TexelMap
+  return derived(image, kFirstKey + (flip_red ? 1 : 0) + (flip_green ? 2 : 0), [&] {
+    return image_of(*image, [&](Rgb texel) {
+      const auto flipped = [](float channel) { return std::max(1 - channel, 0.0f); };
+      return Rgb{flip_red ? flipped(texel.r) : texel.r, flip_green ? flipped(texel.g) : texel.g, texel.b};
+    });
+  });
+}
+
+}  // namespace tessera::core::mitsuba

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// The BSDFs, textures and media of Mitsuba scenes.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "tests/unit/core_scene_mitsuba/mitsuba_scene.hpp"
+
+namespace tessera::core::test {
+namespace {
+
+using testing::HasSubstr;
+
+template <typename Model>
+Model model_of(const std::string& bsdf, const MemoryAssets::Files& files = {}) {
+  const Material material = material_of(bsdf, files);
+  const auto* model = std::get_if<Model>(&material.model);
+  EXPECT_NE(model, nullptr) << bsdf;
+  return model == nullptr ? Model{} : *model;
+}
+
+TEST(MitsubaBsdf, DiffuseIsOneSided) {
+  const Material material =
+      material_of("<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"0.1 0.2 0.3\"/></bsdf>");
+  EXPECT_EQ(std::get<Lambert>(material.model).albedo.value, (Rgb{0.1f, 0.2f, 0.3f}));
+  EXPECT_FALSE(material.two_sided);
+  EXPECT_TRUE(material_of("<bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf>").two_sided);
+}
+
+TEST(MitsubaBsdf, ShapesWithoutOneAreGrayAndLampsBlack) {
+  EXPECT_EQ(std::get<Lambert>(material_of("").model).albedo.value, Rgb::gray(0.5f));
+  const Material lamp = material_of("<emitter type=\"area\"><rgb name=\"radiance\" value=\"3\"/></emitter>");
+  EXPECT_EQ(std::get<Lambert>(lamp.model).albedo.value, Rgb::gray(0));
+  EXPECT_EQ(lamp.emission.value, Rgb::gray(3));
+  EXPECT_FALSE(lamp.two_sided_emission);
+}
+
+TEST(MitsubaBsdf, DielectricsHaveTheRatioOfTheirIndices) {
+  EXPECT_NEAR(model_of<Glass>("<bsdf type=\"dielectric\"/>").ior.value, 1.5046f / 1.000277f, 1e-6);
+  const std::string water =
+      "<bsdf type=\"dielectric\"><string name=\"int_ior\" value=\"water\"/><float name=\"ext_ior\" "
+      "value=\"1\"/></bsdf>";
+  EXPECT_NEAR(model_of<Glass>(water).ior.value, 1.333f, 1e-6);
+  EXPECT_NEAR(model_of<ThinDielectric>("<bsdf type=\"thindielectric\"><float name=\"int_ior\" value=\"2\"/>"
+                                       "<float name=\"ext_ior\" value=\"1\"/></bsdf>")
+                  .ior.value,
+              2, 1e-6);
+}
+
+TEST(MitsubaBsdf, ADenserOutsideTurnsTheShapeInsideOut) {
+  const auto scene =
+      load_xml(xml_scene("<shape type=\"rectangle\"><bsdf type=\"dielectric\">"
+                         "<float name=\"int_ior\" value=\"1\"/><float name=\"ext_ior\" value=\"1.5\"/>"
+                         "</bsdf></shape>",
+                         false));
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_NEAR(std::get<Glass>(scene->materials.at(0).model).ior.value, 1.5, 1e-6);
+  EXPECT_LT(std::get<MeshDescription>(scene->shapes.at(0)).normals.at(0).z, 0);
+}
+
+TEST(MitsubaBsdf, AlphaIsTheSquareOfRoughness) {
+  const auto rough = [](const std::string& type, const std::string& parameters) {
+    return "<bsdf type=\"" + type + "\"><string name=\"distribution\" value=\"ggx\"/>" + parameters +
+           "</bsdf>";
+  };
+  const std::string alpha = "<float name=\"alpha\" value=\"0.25\"/>";
+  EXPECT_FLOAT_EQ(model_of<Glass>(rough("roughdielectric", alpha)).roughness.value, 0.5f);
+  EXPECT_FLOAT_EQ(model_of<Plastic>(rough("roughplastic", alpha)).roughness.value, 0.5f);
+  EXPECT_FLOAT_EQ(model_of<ConductorMaterial>(rough("roughconductor", alpha)).roughness.value, 0.5f);
+  const auto metal = model_of<ConductorMaterial>(rough(
+      "roughconductor", "<float name=\"alpha_u\" value=\"0.2\"/><float name=\"alpha_v\" value=\"0.1\"/>"));
+  EXPECT_FLOAT_EQ(metal.anisotropy.value, 0.5f);
+  EXPECT_NEAR(metal.roughness.value, std::sqrt(std::sqrt(0.025)), 1e-6);
+}
+
+TEST(MitsubaBsdf, ConductorsHaveAnIndexOrReflectEverything) {
+  const auto mirror = model_of<ConductorMaterial>("<bsdf type=\"conductor\"/>");
+  EXPECT_EQ(mirror.eta.value, Rgb::gray(0));
+  EXPECT_EQ(mirror.k.value, Rgb::gray(1));
+  const auto metal = model_of<ConductorMaterial>(
+      "<bsdf type=\"conductor\"><spectrum name=\"eta\" value=\"0.8\"/><rgb name=\"k\" value=\"6 5 "
+      "4\"/></bsdf>");
+  EXPECT_EQ(metal.eta.value, Rgb::gray(0.8f));
+  EXPECT_EQ(metal.k.value, (Rgb{6, 5, 4}));
+  const auto gold =
+      model_of<ConductorMaterial>("<bsdf type=\"conductor\"><string name=\"material\" value=\"Au\"/></bsdf>");
+  EXPECT_LT(gold.eta.value.r, gold.eta.value.b);
+}
+
+TEST(MitsubaBsdf, PlasticKeepsItsParameters) {
+  const auto plastic = model_of<Plastic>(
+      "<bsdf type=\"plastic\"><boolean name=\"nonlinear\" value=\"true\"/><float name=\"int_ior\" "
+      "value=\"1.9\"/>"
+      "<float name=\"ext_ior\" value=\"1\"/><rgb name=\"diffuse_reflectance\" value=\"0.2\"/></bsdf>");
+  EXPECT_TRUE(plastic.nonlinear);
+  EXPECT_FLOAT_EQ(plastic.ior.value, 1.9f);
+  EXPECT_EQ(plastic.diffuse.value, Rgb::gray(0.2f));
+}
+
+TEST(MitsubaBsdf, BlendsMasksAndNull) {
+  const auto scene = load_xml(
+      xml_scene("<shape type=\"sphere\"><bsdf type=\"mask\"><float name=\"opacity\" value=\"0.25\"/>"
+                "<bsdf type=\"blendbsdf\"><float name=\"weight\" value=\"0.75\"/><bsdf type=\"diffuse\"/>"
+                "<bsdf type=\"null\"/></bsdf></bsdf></shape>",
+                false));
+  ASSERT_TRUE(scene) << scene.error().message;
+  const Material& material = scene->materials.at(std::get<SphereDescription>(scene->shapes.at(0)).material);
+  EXPECT_EQ(material.opacity.value, 0.25f);
+  const auto& blend = std::get<Blend>(material.model);
+  EXPECT_EQ(blend.weight.value, 0.75f);
+  EXPECT_TRUE(std::holds_alternative<Lambert>(scene->materials.at(blend.first).model));
+  EXPECT_TRUE(std::holds_alternative<Null>(scene->materials.at(blend.second).model));
+}
+
+TEST(MitsubaBsdf, PrincipledIsToldAsApproximated) {
+  const SceneDescription scene = scene_of(
+      "<shape type=\"sphere\"><bsdf type=\"principled\">"
+      "<float name=\"metallic\" value=\"0.7\"/><float name=\"roughness\" value=\"0.2\"/>"
+      "<float name=\"clearcoat\" value=\"0.8\"/></bsdf></shape>");
+  const auto& model = std::get<Principled>(scene.materials.at(0).model);
+  EXPECT_FLOAT_EQ(model.base_metalness.value, 0.7f);
+  EXPECT_FLOAT_EQ(model.specular_roughness.value, 0.2f);
+  EXPECT_FLOAT_EQ(model.coat_weight.value, 0.2f);
+  EXPECT_NEAR(model.specular_ior.value, 1.5, 1e-6);
+  EXPECT_THAT(warnings_of(scene), HasSubstr("approximated"));
+}
+
+TEST(MitsubaBsdf, UnknownOnesBecomeGray) {
+  const SceneDescription scene = scene_of("<shape type=\"sphere\"><bsdf type=\"hair\"/></shape>");
+  EXPECT_TRUE(std::holds_alternative<Lambert>(scene.materials.at(0).model));
+  EXPECT_THAT(warnings_of(scene), HasSubstr("<bsdf type=\"hair\">: is not supported"));
+}
+
+// A square with a texture as its reflectance.
+SceneDescription textured(const std::string& shape, const std::string& texture,
+                          const MemoryAssets::Files& files) {
+  return scene_of("<shape " + shape + "<bsdf type=\"diffuse\">" + texture + "</bsdf></shape>", files);
+}
+
+// Black above, white below.
+std::string half_white() {
+  Image image = one_color(4, 4, Rgb::gray(0));
+  for (int x = 0; x < 4; ++x)
+    for (int y = 2; y < 4; ++y) image.at(x, y) = Rgb::gray(1);
+  return png(image);
+}
+
+Rgb looked_up(const SceneDescription& scene, Vec2 uv) {
+  const auto& albedo = std::get<Lambert>(scene.materials.at(0).model).albedo;
+  return albedo.evaluate(scene.textures, uv);
+}
+
+TEST(MitsubaTexture, TheFirstRowIsAtVZeroButForObjFiles) {
+  const std::string bitmap =
+      "<texture type=\"bitmap\" name=\"reflectance\"><string name=\"filename\" value=\"t.png\"/></texture>";
+  const SceneDescription square = textured("type=\"rectangle\">", bitmap, {{"t.png", half_white()}});
+  EXPECT_EQ(looked_up(square, {0.5f, 0.25f}), Rgb::gray(0));
+  EXPECT_EQ(looked_up(square, {0.5f, 0.75f}), Rgb::gray(1));
+  const SceneDescription obj = textured("type=\"obj\"><string name=\"filename\" value=\"triangle.obj\"/>",
+                                        bitmap, {{"t.png", half_white()}, {"triangle.obj", kTriangleObj}});
+  EXPECT_EQ(looked_up(obj, {0.5f, 0.25f}), Rgb::gray(1));
+}
+
+TEST(MitsubaTexture, TransformsApplyToMitsubasCoordinates) {
+  const std::string bitmap =
+      "<texture type=\"bitmap\" name=\"reflectance\"><string name=\"filename\" value=\"t.png\"/>"
+      "<transform name=\"to_uv\"><scale x=\"1\" y=\"2\"/><translate y=\"0.5\"/></transform></texture>";
+  const SceneDescription square = textured("type=\"rectangle\">", bitmap, {{"t.png", half_white()}});
+  EXPECT_EQ(looked_up(square, {0.5f, 0.125f}), Rgb::gray(1));  // v = 0.75
+  EXPECT_EQ(looked_up(square, {0.5f, 0.375f}), Rgb::gray(0));  // v = 1.25
+}
+
+TEST(MitsubaTexture, CheckerboardsAlternate) {
+  const SceneDescription square =
+      textured("type=\"rectangle\">",
+               "<texture type=\"checkerboard\" name=\"reflectance\"><rgb name=\"color0\" value=\"0.1\"/>"
+               "<transform name=\"to_uv\"><scale x=\"2\" y=\"2\"/></transform></texture>",
+               {});
+  EXPECT_EQ(looked_up(square, {0.125f, 0.125f}), Rgb::gray(0.1f));
+  EXPECT_EQ(looked_up(square, {0.375f, 0.125f}), Rgb::gray(0.2f));
+  EXPECT_EQ(looked_up(square, {0.375f, 0.375f}), Rgb::gray(0.1f));
+  EXPECT_EQ(looked_up(square, {0.625f, 0.125f}), Rgb::gray(0.1f));
+}
+
+TEST(MitsubaTexture, MissingFilesCostTheTextureOnly) {
+  const SceneDescription scene = textured("type=\"sphere\">",
+                                          "<texture type=\"bitmap\" name=\"reflectance\"><string "
+                                          "name=\"filename\" value=\"gone.png\"/></texture>",
+                                          {});
+  EXPECT_THAT(warnings_of(scene), HasSubstr("'gone.png' does not exist"));
+}
+
+TEST(MitsubaMedium, HomogeneousMediaHaveTheirAlbedo) {
+  const SceneDescription scene = scene_of(
+      "<medium type=\"homogeneous\" id=\"m\"><float name=\"scale\" value=\"2\"/><rgb name=\"sigma_t\" "
+      "value=\"1 2 4\"/>"
+      "<rgb name=\"albedo\" value=\"0.5\"/><phase type=\"hg\"><float name=\"g\" "
+      "value=\"0.3\"/></phase></medium>"
+      "<shape type=\"sphere\"><bsdf type=\"null\"/><ref name=\"interior\" id=\"m\"/></shape>");
+  ASSERT_EQ(scene.media.size(), 1u);
+  EXPECT_EQ(scene.media[0].sigma_s, (Rgb{0.5f, 1, 2}));
+  EXPECT_EQ(scene.media[0].sigma_a, (Rgb{0.5f, 1, 2}));
+  EXPECT_EQ(scene.media[0].scale, 2);
+  EXPECT_FLOAT_EQ(scene.media[0].g, 0.3f);
+  EXPECT_EQ(scene.materials.at(0).media, (MediumInterface{0, kNoMedium}));
+}
+
+}  // namespace
+}  // namespace tessera::core::test
