@@ -9,6 +9,6 @@
 
 namespace tessera::core {
 
-inline constexpr std::string_view kDeterminismFingerprint = "b41864b8d2d54d7f";
+inline constexpr std::string_view kDeterminismFingerprint = "88d309ee24b70b89";
 
 }  // namespace tessera::core

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMaxShownLength = 80;
 constexpr std::size_t kShownBeginning = 24;  // characters kept at the start of shortened names
-constexpr std::size_t kMaxListed = 12;
+constexpr std::size_t kMaxListed = 13;
 
 // Names that differ by more edits are not similar.
 std::size_t likeness_limit(std::string_view name) {

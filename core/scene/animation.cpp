@@ -66,7 +66,8 @@ Transform step_at(const MotionStep& step, float frame) {
 
 bool is_animated(const CameraAnimation& c) {
   return !(c.position.empty() && c.look_at.empty() && c.up.empty() && c.vertical_fov_degrees.empty() &&
-           c.aperture_radius.empty() && c.focus_distance.empty() && c.aperture_rotation_degrees.empty());
+           c.aperture_radius.empty() && c.focus_distance.empty() && c.aperture_rotation_degrees.empty() &&
+           c.view_height.empty() && c.lens_shift.empty());
 }
 
 Transform transform_at(const std::vector<MotionStep>& steps, float frame) {
@@ -85,13 +86,15 @@ CameraDescription camera_at(const CameraDescription& camera, const CameraAnimati
   at.focus_distance = value_at(a.focus_distance, frame, camera.focus_distance);
   at.aperture_rotation_degrees =
       value_at(a.aperture_rotation_degrees, frame, camera.aperture_rotation_degrees);
+  at.view_height = value_at(a.view_height, frame, camera.view_height);
+  at.lens_shift = value_at(a.lens_shift, frame, camera.lens_shift);
   return at;
 }
 
 bool is_sound(const Animation& animation) {
   const CameraAnimation& c = animation.camera;
   return are_sound_tracks(c.position, c.look_at, c.up, c.vertical_fov_degrees, c.aperture_radius,
-                          c.focus_distance, c.aperture_rotation_degrees) &&
+                          c.focus_distance, c.aperture_rotation_degrees, c.view_height, c.lens_shift) &&
          std::all_of(animation.lights.begin(), animation.lights.end(),
                      [](const LightAnimation& light) {
                        return are_sound_tracks(light.position, light.look_at, light.direction, light.color,

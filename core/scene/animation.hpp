@@ -55,6 +55,8 @@ T value_at(const Track<T>& track, float frame, T otherwise) {
 struct CameraAnimation {
   Track<Vec3> position, look_at, up;
   Track<float> vertical_fov_degrees, aperture_radius, focus_distance, aperture_rotation_degrees;
+  Track<float> view_height{};
+  Track<Vec2> lens_shift{};
 };
 
 // Of one of SceneDescription::lights. The tracks of keys that its type does not have are empty.

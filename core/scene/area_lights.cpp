@@ -26,20 +26,30 @@ double mean_radiance(const Material& material, const std::vector<Texture>& textu
   return static_cast<double>(mean(emission.value * texture.image->mean())) * opacity;
 }
 
+CylinderLight cylinder_light(const Cylinder& cylinder) {
+  const Transform t = cylinder.transform();
+  return {t.origin, t.z_axis, t.x_axis, t.y_axis, cylinder.flipped()};
+}
+
 LightShape shape_of(const Primitives& primitives, std::uint32_t p) {
   if (primitives.is_sphere(p)) return SphereLight{primitives.sphere(p).center, primitives.sphere(p).radius};
+  if (primitives.is_disk(p)) {
+    const Disk& d = primitives.disk(p);
+    return DiskLight{d.center, d.radius_u, d.radius_v, d.inner};
+  }
+  if (primitives.is_cylinder(p)) return cylinder_light(primitives.cylinder(p));
   const auto [p0, p1, p2] = primitives.triangle_corners(p);
   const auto [uv0, uv1, uv2] = primitives.triangle_uvs(p);
   return TriangleLight{p0, p1, p2, uv0, uv1, uv2};
 }
 
-// Calls add(shape, first primitive) for all triangles, quads and spheres for which emissive(primitive), and
-// records the returned light index for each primitive of the shape, up to the last emissive one.
+// Calls add(shape, first primitive) for all triangles, quads and other shapes for which emissive(primitive),
+// and records the returned light index for each primitive of the shape, up to the last emissive one.
 template <typename Emissive, typename Add>
 std::vector<std::uint32_t> for_each_light_shape(const Primitives& primitives,
                                                 const std::vector<Model::Quad>& quads,
                                                 const Emissive& emissive, const Add& add) {
-  const std::uint32_t count = primitives.triangle_count() + primitives.sphere_count();
+  const std::uint32_t count = primitives.shape_count();
   std::vector<std::uint32_t> lights;
   auto quad = quads.begin();
   for (std::uint32_t p = 0, size; p < count; p += size) {
@@ -71,6 +81,13 @@ LightShape placed(const LightShape& shape, const Placement& placement) {
                    const float radius = s.radius * length(x);
                    return SphereLight{point(s.center), radius,       4 * kRoundToRounding * radius,
                                       normalize(x),    normalize(y), normalize(z)};
+                 },
+                 [&](const DiskLight& d) -> LightShape {
+                   return DiskLight{point(d.center), vector(d.radius_u), vector(d.radius_v), d.inner};
+                 },
+                 [&](const CylinderLight& c) -> LightShape {
+                   return CylinderLight{point(c.start), vector(c.axis), vector(c.radius_u),
+                                        vector(c.radius_v), c.flipped};
                  }},
       shape);
 }
@@ -144,7 +161,7 @@ std::uint32_t AreaLightFinder::add_light(const LightShape& shape, const Primitiv
                                          const Hit& middle) {
   const std::uint32_t material_id = primitives.material(middle);
   Vec3 front{};
-  if (!std::holds_alternative<SphereLight>(shape)) {
+  if (!std::holds_alternative<SphereLight>(shape) && !std::holds_alternative<CylinderLight>(shape)) {
     Hit hit = middle;
     hit.b1 = hit.b2 = 1.0f / 3;
     front = primitives.surface(Ray{}, hit).geometric_normal;

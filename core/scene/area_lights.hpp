@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds the area lights among a scene's primitives, including those in instances: each emissive triangle,
-// quad and sphere is a light, once per instance.
+// quad, sphere, disk and cylinder is a light, once per instance.
 #pragma once
 
 #include <cstdint>

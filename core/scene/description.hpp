@@ -15,6 +15,8 @@
 #include "core/materials/material.hpp"
 #include "core/math/transform.hpp"
 #include "core/math/vec3.hpp"
+#include "core/media/medium_description.hpp"
+#include "core/media/voxel_grid.hpp"
 #include "core/scene/animation.hpp"
 #include "core/scene/settings.hpp"
 #include "core/textures/texture.hpp"
@@ -46,6 +48,27 @@ struct QuadDescription {
   std::uint32_t material = 0;
 };
 
+// A disk or a ring, in general an ellipse: the points center + r (cos(a) radius_u + sin(a) radius_v) with
+// inner <= r <= 1, and uv = (a / 2 pi, (1 - r) / (1 - inner)). Its normal is radius_u x radius_v.
+struct DiskDescription {
+  Vec3 center{};
+  Vec3 radius_u{1, 0, 0}, radius_v{0, 1, 0};
+  float inner = 0;       // 0 <= inner < 1
+  bool flipped = false;  // the normal is -radius_u x radius_v
+  std::uint32_t material = 0;
+};
+
+// The lateral surface of a cylinder, without caps; in general elliptic and oblique: the points
+// start + z axis + cos(a) radius_u + sin(a) radius_v with 0 <= z <= 1, and uv = (a / 2 pi, z). Its normal
+// points away from the axis.
+struct CylinderDescription {
+  Vec3 start{};
+  Vec3 axis{0, 0, 1};
+  Vec3 radius_u{1, 0, 0}, radius_v{0, 1, 0};
+  bool flipped = false;  // the normal points to the axis
+  std::uint32_t material = 0;
+};
+
 // An instance of an object: all of its shapes, placed by `to_world`.
 struct InstanceDescription {
   std::uint32_t object = 0;
@@ -53,8 +76,8 @@ struct InstanceDescription {
   std::optional<std::uint32_t> material;  // replaces the materials of all its shapes
 };
 
-using ShapeDescription =
-    std::variant<MeshDescription, SphereDescription, QuadDescription, InstanceDescription>;
+using ShapeDescription = std::variant<MeshDescription, SphereDescription, QuadDescription,
+                                      InstanceDescription, DiskDescription, CylinderDescription>;
 
 // Shapes that are rendered only through instances, stored once.
 struct ObjectDescription {
@@ -85,15 +108,22 @@ using LightDescription =
 
 // The radiance of rays that escape the scene.
 struct EnvironmentDescription {
-  ColorParameter radiance;  // a texture is equirectangular; only its image is used
-  float rotation_degrees = 0;
+  ColorParameter radiance;     // a texture is equirectangular; only its image is used
+  float rotation_degrees = 0;  // about +y, counter-clockwise seen from above
+  // A rotation, also a reflection, that is applied after rotation_degrees: from the space in which the centre
+  // of the image is at -z and its upper edge at +y to the world. The origin has no effect.
+  Transform orientation{};
+  bool visible_to_camera = true;  // else camera rays that miss all shapes are black
 };
 
 struct SceneDescription {
   RenderSettings settings;
   CameraDescription camera;
-  DisplaySettings display;  // of PNG files only
+  int camera_medium = kNoMedium;  // index of the medium around the camera
+  DisplaySettings display;        // of PNG files only
   std::vector<Texture> textures;
+  std::vector<VoxelGrid> grids;  // of media
+  std::vector<MediumDescription> media;
   std::vector<Material> materials;
   std::vector<ObjectDescription> objects;
   std::vector<ShapeDescription> shapes;

@@ -39,6 +39,8 @@ class LightCounter {
   }
   ObjectCount count(const SphereDescription& sphere) const { return {1, emits_[sphere.material]}; }
   ObjectCount count(const QuadDescription& quad) const { return {1, emits_[quad.material]}; }
+  ObjectCount count(const DiskDescription& disk) const { return {1, emits_[disk.material]}; }
+  ObjectCount count(const CylinderDescription& cylinder) const { return {1, emits_[cylinder.material]}; }
   ObjectCount count(const InstanceDescription& instance) const {
     const ObjectCount& object = objects_[instance.object];
     if (!instance.material) return object;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts the area lights that a scene will have: one for each emissive triangle, quad and sphere, once per
-// instance.
+// Counts the area lights that a scene will have: one for each emissive triangle, quad, sphere, disk and
+// cylinder, once per instance.
 #pragma once
 
 #include <cstdint>

@@ -4,6 +4,8 @@
 #include <utility>
 #include <variant>
 
+#include "core/scene/analytic_shapes.hpp"
+
 namespace tessera::core {
 namespace {
 
@@ -47,6 +49,12 @@ Model make_model(std::vector<ShapeDescription>& shapes) {
   for (const auto& shape : shapes)
     if (const auto* sphere = std::get_if<SphereDescription>(&shape))
       model.primitives.add_sphere(sphere->center, sphere->radius, sphere->material);
+  for (const auto& shape : shapes)
+    if (const auto* disk = std::get_if<DiskDescription>(&shape))
+      model.primitives.add_disk(geometry_of(*disk), disk->material);
+  for (const auto& shape : shapes)
+    if (const auto* cylinder = std::get_if<CylinderDescription>(&shape))
+      model.primitives.add_cylinder(geometry_of(*cylinder), cylinder->material);
   return model;
 }
 

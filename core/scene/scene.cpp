@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/scene.hpp"
 
+#include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "core/base/overloaded.hpp"
+#include "core/scene/absorbing_media.hpp"
 #include "core/scene/area_lights.hpp"
 #include "core/scene/model.hpp"
 #include "core/scene/validation.hpp"
@@ -33,7 +36,7 @@ std::optional<Light> environment_of(const SceneDescription& scene, const std::ve
   const int texture = d.radiance.texture;
   return Environment(d.radiance.value,
                      texture < 0 ? nullptr : textures[static_cast<std::size_t>(texture)].image,
-                     d.rotation_degrees);
+                     d.rotation_degrees, d.orientation, d.visible_to_camera);
 }
 
 // Replaces an opacity texture of a single texel (alpha that is 1 everywhere) by a number.
@@ -51,8 +54,16 @@ void Scene::add_materials(SceneDescription& description) {
   materials_ = std::move(description.materials);
   for (Material& material : materials_) {
     material.opacity = without_constant_texture(material.opacity, textures_);
-    is_opaque_ &= core::is_opaque(material);
+    is_opaque_ &= core::is_opaque(material, materials_);
   }
+}
+
+void Scene::add_media(SceneDescription& description) {
+  has_media_ = uses_media(description);
+  if (!has_media_) return;
+  const auto grids = std::make_shared<const std::vector<VoxelGrid>>(std::move(description.grids));
+  for (const MediumDescription& medium : description.media) media_.emplace_back(medium, grids);
+  camera_medium_ = description.camera_medium;
 }
 
 void Scene::add_shapes(SceneDescription& description) {
@@ -97,11 +108,18 @@ Result<Scene> Scene::build(SceneDescription description, int threads, std::optio
   scene.settings_ = description.settings;
   scene.poses_ = PoseMaker(description);
   scene.camera_ = Camera(description.camera);
+  add_absorbing_media(description);
+  scene.add_media(description);
   scene.add_materials(description);
   scene.add_shapes(description);
   scene.find_lights(description.lights, environment_of(description, scene.textures_), threads);
   scene.bvh_ = bvh ? std::move(*bvh) : Bvh::build(scene.primitives_, threads);
   return scene;
+}
+
+bool Scene::gives_light() const {
+  return !lights_.empty() ||
+         std::any_of(media_.begin(), media_.end(), [](const Medium& medium) { return medium.emits(); });
 }
 
 Status Scene::set_frame(std::int32_t frame, int threads) {

@@ -15,6 +15,7 @@
 #include "core/guiding/light_guide.hpp"
 #include "core/lights/light.hpp"
 #include "core/lights/light_sampler.hpp"
+#include "core/media/medium.hpp"
 #include "core/scene/area_lights.hpp"
 #include "core/scene/description.hpp"
 #include "core/scene/pose.hpp"
@@ -47,7 +48,16 @@ class Scene {
   // Samples only delta lights.
   const LightSampler& delta_light_sampler() const { return delta_light_sampler_; }
 
-  // Whether no material has opacity below 1.
+  // Indices as in MediumInterface.
+  const std::vector<Medium>& media() const { return media_; }
+  // The medium around the camera, or kNoMedium.
+  int camera_medium() const { return camera_medium_; }
+  // Whether rays can be in a medium.
+  bool has_media() const { return has_media_; }
+  // Whether it has a light or a medium that emits.
+  bool gives_light() const;
+
+  // Whether no surface lets light pass through but by its model's transmission.
   bool is_opaque() const { return is_opaque_; }
   const Material& material_of(const Hit& hit) const { return materials_[primitives_.material(hit)]; }
   // The index of the AreaLight at the hit, or kNoLight.
@@ -62,6 +72,7 @@ class Scene {
 
  private:
   void add_materials(SceneDescription& description);
+  void add_media(SceneDescription& description);
   void add_shapes(SceneDescription& description);
   // All lights, for the present placements of instances.
   void find_lights(const std::vector<LightDescription>& lights, std::optional<Light> environment,
@@ -77,6 +88,9 @@ class Scene {
   std::vector<Texture> textures_;
   std::vector<Material> materials_;
   bool is_opaque_ = true;
+  std::vector<Medium> media_;
+  int camera_medium_ = kNoMedium;
+  bool has_media_ = false;
   std::vector<Light> lights_;
   LightMap light_map_;
   std::uint32_t environment_light_ = kNoLight;

@@ -11,6 +11,7 @@
 #include "core/base/overloaded.hpp"
 #include "core/geometry/placement.hpp"
 #include "core/geometry/primitives.hpp"
+#include "core/scene/analytic_shapes.hpp"
 
 namespace tessera::core {
 namespace {
@@ -49,6 +50,14 @@ Status validate_camera(const CameraDescription& camera) {
   const Vec3 across = cross(normalize(view), camera.up);
   if (!(length_squared(across) > 0))
     return invalid("camera.up: must not be parallel to the viewing direction");
+  if (camera.type == CameraType::kOrthographic &&
+      !(camera.view_height > 0 && camera.view_height <= kMaxCoordinate))
+    return invalid(fmt::format("camera.view_height: must be above 0 and at most {:g}, got {}", kMaxCoordinate,
+                               camera.view_height));
+  const auto is_shift = [](float shift) { return std::fabs(shift) <= kMaxLensShift; };
+  if (!is_shift(camera.lens_shift.x) || !is_shift(camera.lens_shift.y))
+    return invalid(fmt::format("camera.lens_shift: must be between -{0} and {0}, got [{1}, {2}]",
+                               kMaxLensShift, camera.lens_shift.x, camera.lens_shift.y));
   if (!(camera.vertical_fov_degrees > 0 && camera.vertical_fov_degrees < 180))
     return invalid(fmt::format("camera.vertical_fov_degrees: must lie between 0 and 180, got {}",
                                camera.vertical_fov_degrees));
@@ -74,7 +83,7 @@ bool is_in_range(std::string_view, const ColorParameter& color) {
 }
 
 bool is_in_range(std::string_view key, const ScalarParameter& scalar) {
-  if (key == "ior") return scalar.value > 0 && std::isfinite(scalar.value);
+  if (key.ends_with("ior")) return scalar.value > 0 && std::isfinite(scalar.value);
   return scalar.value >= 0 && std::isfinite(scalar.value);
 }
 
@@ -98,16 +107,92 @@ Status check_material(const Material& material, const std::vector<Texture>& text
   if (material.sampling == Sampling::kHalfVector && !std::holds_alternative<CookTorrance>(material.model))
     return wrong("only cook_torrance can be sampled by half-vectors");
   if (!is_valid_radiance(material.emission.value)) return wrong("emission must be finite and not negative");
+  if (std::holds_alternative<Null>(material.model) && !is_black(material.emission.value))
+    return wrong("a null material cannot emit");
   if (material.emission.texture >= texture_count) return wrong("emission: there is no such texture");
   if (!is_valid_radiance(material.emission, textures))
     return wrong("emission times its texture is too bright to be computed; lower it");
   return {};
 }
 
+bool is_medium(int medium, const SceneDescription& scene) {
+  return medium >= kNoMedium && medium < static_cast<int>(scene.media.size());
+}
+
+// A blend's parts stand before it, which rules out cycles; `depths` are those of the materials before it.
+Status check_blend(const Material& material, const Blend& blend, const std::vector<Material>& all,
+                   std::vector<int>& depths) {
+  if (std::max(blend.first, blend.second) >= depths.size() - 1)
+    return invalid(
+        fmt::format("material '{}': a blend's materials must stand before the blend", material.name));
+  depths.back() = 1 + std::max(depths[blend.first], depths[blend.second]);
+  if (!is_black(material.emission.value) &&
+      !(is_opaque(all[blend.first], all) && is_opaque(all[blend.second], all)))
+    return invalid(
+        fmt::format("material '{}': a blend of what light passes through cannot emit", material.name));
+  if (depths.back() <= kMaxBlendDepth) return {};
+  return invalid(
+      fmt::format("material '{}': blends of blends may be {} deep", material.name, kMaxBlendDepth));
+}
+
 Status check_materials(const SceneDescription& scene) {
-  for (const Material& material : scene.materials)
+  std::vector<int> blend_depths;
+  for (const Material& material : scene.materials) {
+    blend_depths.push_back(0);
     if (auto ok = check_material(material, scene.textures); !ok) return ok;
+    if (const auto* blend = std::get_if<Blend>(&material.model))
+      if (auto ok = check_blend(material, *blend, scene.materials, blend_depths); !ok) return ok;
+    if (!is_medium(material.media.interior, scene) || !is_medium(material.media.exterior, scene))
+      return invalid(fmt::format("material '{}': there is no such medium", material.name));
+  }
   return {};
+}
+
+// Whether the coefficients and the products with the grid's values can be computed.
+bool is_valid_coefficient(Rgb value, int grid, const SceneDescription& scene) {
+  const auto is_valid = [](Rgb v) {
+    return is_valid_radiance(v) && max_component(v) <= kMaxMediumCoefficient;
+  };
+  if (!is_valid(value)) return false;
+  if (grid < 0) return true;
+  const auto& values = scene.grids[static_cast<std::size_t>(grid)].values;
+  return is_valid(value * *std::max_element(values.begin(), values.end()));
+}
+
+Status check_medium(const MediumDescription& medium, const SceneDescription& scene) {
+  const auto wrong = [&](std::string_view what) {
+    return invalid(fmt::format("medium '{}': {}", medium.name, what));
+  };
+  for (const int grid : {medium.absorption_grid, medium.scattering_grid, medium.emission_grid})
+    if (grid < -1 || grid >= static_cast<int>(scene.grids.size())) return wrong("there is no such grid");
+  if (!(medium.scale >= 0) ||
+      !is_valid_coefficient(medium.sigma_a * medium.scale, medium.absorption_grid, scene) ||
+      !is_valid_coefficient(medium.sigma_s * medium.scale, medium.scattering_grid, scene))
+    return wrong("sigma_a, sigma_s and scale must be from 0 to 1e18, also times the grid's values");
+  if (!is_valid_coefficient(medium.emission, medium.emission_grid, scene))
+    return wrong("emission must be from 0 to 1e18, also times the grid's values");
+  if (!(medium.g > -1 && medium.g < 1)) return wrong("g must be above -1 and below 1");
+  if (medium.has_grid() && !Placement::can_place(medium.grid_to_world))
+    return wrong("the transform flattens the grid, or scales or moves it too far to be computed");
+  return {};
+}
+
+Status check_media(const SceneDescription& scene) {
+  for (std::size_t i = 0; i < scene.grids.size(); ++i)
+    if (!is_sound(scene.grids[i]))
+      return invalid(
+          fmt::format("grid {}: needs one or three finite values that are not negative for each voxel, and 1 "
+                      "to {} voxels "
+                      "a side",
+                      i, kMaxGridSide));
+  for (const MediumDescription& medium : scene.media)
+    if (auto ok = check_medium(medium, scene); !ok) return ok;
+  if (!is_medium(scene.camera_medium, scene)) return invalid("camera: there is no such medium");
+  return {};
+}
+
+bool glows(const MediumDescription& medium) {
+  return medium.scale > 0 && !is_black(medium.sigma_a * medium.emission);
 }
 
 // Whether the direction from `from` to `to` can be computed.
@@ -145,6 +230,11 @@ Status check_light(const LightDescription& light) {
       light);
 }
 
+// Or a reflection, to within rounding.
+bool is_rotation(const Transform& t) {
+  return std::fabs(uniform_scale(t, kEnvironmentTolerance) - 1) <= kEnvironmentTolerance;
+}
+
 Status check_environment(const SceneDescription& scene) {
   if (!scene.environment) return {};
   if (!is_valid_radiance(scene.environment->radiance.value))
@@ -155,6 +245,8 @@ Status check_environment(const SceneDescription& scene) {
     return invalid("environment: radiance times its image is too bright to be computed; lower it");
   if (!std::isfinite(scene.environment->rotation_degrees))
     return invalid("environment: rotation_degrees must be a number");
+  if (!is_rotation(scene.environment->orientation))
+    return invalid("environment: the orientation must be a rotation or a reflection");
   return {};
 }
 
@@ -194,6 +286,10 @@ Aabb bounds_of(const ShapeDescription& shape) {
   } else if (const auto* quad = std::get_if<QuadDescription>(&shape)) {
     for (const Vec3 p : {quad->corner, quad->corner + quad->edge_u})
       for (const Vec3 q : {p, p + quad->edge_v}) box.include(q);
+  } else if (const auto* disk = std::get_if<DiskDescription>(&shape)) {
+    box = geometry_of(*disk).bounds();
+  } else if (const auto* cylinder = std::get_if<CylinderDescription>(&shape)) {
+    box = geometry_of(*cylinder).bounds();
   }
   return box;
 }
@@ -236,6 +332,23 @@ Status check_instance(const InstanceDescription& instance, const SceneDescriptio
                             limits_of(objects[instance.object], instance, scene.materials));
 }
 
+Status check_disk(const DiskDescription& disk) {
+  if (!fits(disk.center) || !fits(disk.radius_u) || !fits(disk.radius_v))
+    return invalid(fmt::format("coordinates must be numbers of at most {:g}", kMaxCoordinate));
+  if (!(disk.inner >= 0 && disk.inner < 1))
+    return invalid("the inner radius must be 0 or greater, and less than the radius");
+  if (!geometry_of(disk).can_be_hit()) return invalid("the disk has no area that can be computed");
+  return {};
+}
+
+Status check_cylinder(const CylinderDescription& c) {
+  if (!fits(c.start) || !fits(c.axis) || !fits(c.radius_u) || !fits(c.radius_v))
+    return invalid(fmt::format("coordinates must be numbers of at most {:g}", kMaxCoordinate));
+  if (!Cylinder::can_be_hit(c.start, c.axis, c.radius_u, c.radius_v))
+    return invalid("the cylinder is flat, or too small or too large to be computed");
+  return {};
+}
+
 // For a scene or an object; `objects` is empty for the latter, which cannot contain instances.
 Status check_shape(const ShapeDescription& shape, const SceneDescription& scene,
                    const std::vector<ObjectFacts>& objects) {
@@ -259,6 +372,16 @@ Status check_shape(const ShapeDescription& shape, const SceneDescription& scene,
             return {};
           },
           [&](const InstanceDescription& i) { return check_instance(i, scene, objects); },
+          [&](const DiskDescription& d) -> Status {
+            if (d.material >= material_count)
+              return invalid(fmt::format("there is no material {}", d.material));
+            return check_disk(d);
+          },
+          [&](const CylinderDescription& c) -> Status {
+            if (c.material >= material_count)
+              return invalid(fmt::format("there is no material {}", c.material));
+            return check_cylinder(c);
+          },
       },
       shape);
 }
@@ -316,6 +439,8 @@ bool emits(const ShapeDescription& shape, const SceneDescription& scene) {
                                },
                                [&](const SphereDescription& sphere) { return emissive(sphere.material); },
                                [&](const QuadDescription& quad) { return emissive(quad.material); },
+                               [&](const DiskDescription& disk) { return emissive(disk.material); },
+                               [&](const CylinderDescription& c) { return emissive(c.material); },
                                [&](const InstanceDescription& instance) {
                                  if (instance.material) return emissive(*instance.material);
                                  const auto& shapes = scene.objects[instance.object].shapes;
@@ -365,11 +490,18 @@ Status validate_scene(const SceneDescription& scene) {
                                scene.settings.max_depth));
   if (auto ok = check_display(scene.display); !ok) return fail(ok.error().within("output"));
   if (auto ok = validate_camera(scene.camera); !ok) return ok;
+  if (auto ok = check_media(scene); !ok) return ok;
   if (auto ok = check_materials(scene); !ok) return ok;
   if (auto ok = validate_lights(scene.lights); !ok) return ok;
   if (auto ok = check_environment(scene); !ok) return ok;
   if (auto ok = check_all_shapes(scene); !ok) return ok;
   return check_animation(scene);
+}
+
+bool uses_media(const SceneDescription& scene) {
+  return scene.camera_medium != kNoMedium ||
+         std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& material) { return material.media.changes_medium(); });
 }
 
 bool gives_light(const SceneDescription& scene) {
@@ -379,6 +511,7 @@ bool gives_light(const SceneDescription& scene) {
   // A light that is dark at frame 0 brightens later.
   for (const LightAnimation& light : scene.animation.lights)
     if (!light.color.empty()) return true;
+  if (uses_media(scene) && std::any_of(scene.media.begin(), scene.media.end(), glows)) return true;
   return std::any_of(scene.shapes.begin(), scene.shapes.end(),
                      [&](const ShapeDescription& shape) { return emits(shape, scene); });
 }

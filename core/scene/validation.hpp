@@ -10,6 +10,9 @@
 
 namespace tessera::core {
 
+// The largest deviation of the axes of EnvironmentDescription::orientation from unit length and right angles.
+inline constexpr float kEnvironmentTolerance = 1e-4f;
+
 // What the placement of an object in the world must be like.
 struct PlacementLimits {
   Aabb object_bounds;            // in the object's space
@@ -28,8 +31,11 @@ Status validate_placement(const Transform& to_world, const PlacementLimits& limi
 // or field.
 Status validate_scene(const SceneDescription& scene);
 
-// Whether a valid scene has a light, an environment or an emissive shape. Otherwise its image is black,
-// which is seldom intended.
+// Whether rays can be in a medium of a valid scene.
+bool uses_media(const SceneDescription& scene);
+
+// Whether a valid scene has a light, an environment, or a shape or medium that emits. Otherwise its image is
+// black, which is seldom intended.
 bool gives_light(const SceneDescription& scene);
 
 }  // namespace tessera::core

@@ -85,7 +85,7 @@ bool is_sound(const SceneDescription& scene) {
          std::ranges::all_of(scene.objects,
                              [](const ObjectDescription& object) { return are_sound(object.shapes); }) &&
          std::ranges::all_of(scene.textures, [](const Texture& texture) {
-           return is_finite(texture.scale) && is_finite(texture.offset);
+           return is_finite(texture.scale) && is_finite(texture.offset) && is_finite(texture.shear);
          });
 }
 

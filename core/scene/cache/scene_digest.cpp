@@ -45,9 +45,9 @@ void mix_in(SceneDigest& digest, const Animation& animation, const Camera& camer
 
 SceneDigest digest_of(const SceneDescription& scene) {
   const Animation& animation = scene.animation;
-  SceneDigest digest{.camera = checksum_of_parts(scene.camera),
+  SceneDigest digest{.camera = checksum_of_parts(scene.camera, scene.camera_medium),
                      .textures = checksum_of_parts(scene.textures),
-                     .materials = checksum_of_parts(scene.materials),
+                     .materials = checksum_of_parts(scene.materials, scene.grids, scene.media),
                      .shapes = checksum_of_parts(scene.objects, scene.shapes),
                      .lights = checksum_of_parts(scene.lights),
                      .environment = checksum_of_parts(scene.environment)};

@@ -32,8 +32,10 @@ auto fields(Is<RenderSettings> auto& value) {
                   crop);
 }
 auto fields(Is<CameraDescription> auto& value) {
-  auto& [position, look_at, up, fov, radius, focus, blades, rotation] = value;
-  return std::tie(position, look_at, up, fov, radius, focus, blades, rotation);
+  auto& [position, look_at, up, fov, radius, focus, blades, rotation, type, view_height, shift, mirrored] =
+      value;
+  return std::tie(position, look_at, up, fov, radius, focus, blades, rotation, type, view_height, shift,
+                  mirrored);
 }
 auto fields(Is<DisplaySettings> auto& value) {
   auto& [exposure_stops, tone_curve] = value;
@@ -44,8 +46,8 @@ auto fields(Is<TextureImage::Texels> auto& value) {
   return std::tie(width, height, format, tiles, floats);
 }
 auto fields(Is<Texture> auto& value) {
-  auto& [image, wrap, scale, offset] = value;
-  return std::tie(image, wrap, scale, offset);
+  auto& [image, wrap, scale, offset, wrap_v, shear] = value;
+  return std::tie(image, wrap, scale, offset, wrap_v, shear);
 }
 auto fields(Is<ColorParameter> auto& value) {
   auto& [color, texture] = value;
@@ -75,6 +77,42 @@ auto fields(Is<CookTorrance> auto& value) {
   auto& [diffuse, specular, f0, conductor, roughness, masking] = value;
   return std::tie(diffuse, specular, f0, conductor, roughness, masking);
 }
+auto fields(Is<Principled> auto& value) {
+  auto& [base_weight, base_color, base_diffuse_roughness, base_metalness, subsurface_weight, subsurface_color,
+         specular_weight, specular_color, specular_roughness, specular_roughness_anisotropy, specular_ior,
+         transmission_weight, transmission_color, transmission_depth, coat_weight, coat_color, coat_roughness,
+         coat_ior, coat_darkening, fuzz_weight, fuzz_color, fuzz_roughness, thin_film_weight,
+         thin_film_thickness, thin_film_ior, geometry_thin_walled] = value;
+  return std::tie(base_weight, base_color, base_diffuse_roughness, base_metalness, subsurface_weight,
+                  subsurface_color, specular_weight, specular_color, specular_roughness,
+                  specular_roughness_anisotropy, specular_ior, transmission_weight, transmission_color,
+                  transmission_depth, coat_weight, coat_color, coat_roughness, coat_ior, coat_darkening,
+                  fuzz_weight, fuzz_color, fuzz_roughness, thin_film_weight, thin_film_thickness,
+                  thin_film_ior, geometry_thin_walled);
+}
+auto fields(Is<Plastic> auto& value) {
+  auto& [diffuse, specular, ior, roughness, nonlinear] = value;
+  return std::tie(diffuse, specular, ior, roughness, nonlinear);
+}
+auto fields(Is<ConductorMaterial> auto& value) {
+  auto& [eta, k, specular, roughness, anisotropy] = value;
+  return std::tie(eta, k, specular, roughness, anisotropy);
+}
+auto fields(Is<DiffuseTransmission> auto& value) {
+  auto& [reflectance, transmittance] = value;
+  return std::tie(reflectance, transmittance);
+}
+auto fields(Is<ThinDielectric> auto& value) {
+  auto& [ior, reflectance, transmittance] = value;
+  return std::tie(ior, reflectance, transmittance);
+}
+auto fields(Is<Blend> auto& value) {
+  auto& [first, second, weight] = value;
+  return std::tie(first, second, weight);
+}
+auto fields(Is<Null> auto&) {
+  return std::tie();
+}
 auto fields(Is<NormalMap> auto& value) {
   auto& [texture, strength] = value;
   return std::tie(texture, strength);
@@ -83,9 +121,25 @@ auto fields(Is<BumpMap> auto& value) {
   auto& [texture, height] = value;
   return std::tie(texture, height);
 }
+auto fields(Is<MediumInterface> auto& value) {
+  auto& [interior, exterior] = value;
+  return std::tie(interior, exterior);
+}
 auto fields(Is<Material> auto& value) {
-  auto& [name, model, emission, two_sided_emission, sampling, normal_map, bump, opacity] = value;
-  return std::tie(name, model, emission, two_sided_emission, sampling, normal_map, bump, opacity);
+  auto& [name, model, emission, two_sided_emission, sampling, normal_map, bump, opacity, two_sided, media] =
+      value;
+  return std::tie(name, model, emission, two_sided_emission, sampling, normal_map, bump, opacity, two_sided,
+                  media);
+}
+auto fields(Is<VoxelGrid> auto& value) {
+  auto& [size, channels, values, filter, border] = value;
+  return std::tie(size, channels, values, filter, border);
+}
+auto fields(Is<MediumDescription> auto& value) {
+  auto& [name, sigma_a, sigma_s, scale, g, emission, absorption_grid, scattering_grid, emission_grid,
+         grid_to_world] = value;
+  return std::tie(name, sigma_a, sigma_s, scale, g, emission, absorption_grid, scattering_grid, emission_grid,
+                  grid_to_world);
 }
 auto fields(Is<MeshDescription> auto& value) {
   auto& [positions, normals, uvs, triangles, triangle_materials, colors] = value;
@@ -98,6 +152,14 @@ auto fields(Is<SphereDescription> auto& value) {
 auto fields(Is<QuadDescription> auto& value) {
   auto& [corner, edge_u, edge_v, material] = value;
   return std::tie(corner, edge_u, edge_v, material);
+}
+auto fields(Is<DiskDescription> auto& value) {
+  auto& [center, radius_u, radius_v, inner, flipped, material] = value;
+  return std::tie(center, radius_u, radius_v, inner, flipped, material);
+}
+auto fields(Is<CylinderDescription> auto& value) {
+  auto& [start, axis, radius_u, radius_v, flipped, material] = value;
+  return std::tie(start, axis, radius_u, radius_v, flipped, material);
 }
 auto fields(Is<Transform> auto& value) {
   auto& [x_axis, y_axis, z_axis, origin] = value;
@@ -124,8 +186,8 @@ auto fields(Is<DirectionalLightDescription> auto& value) {
   return std::tie(direction, irradiance);
 }
 auto fields(Is<EnvironmentDescription> auto& value) {
-  auto& [radiance, rotation] = value;
-  return std::tie(radiance, rotation);
+  auto& [radiance, rotation, orientation, visible_to_camera] = value;
+  return std::tie(radiance, rotation, orientation, visible_to_camera);
 }
 template <typename T>
 inline constexpr bool kIsTrack = false;
@@ -138,8 +200,8 @@ auto fields(T& value) {
   return std::tie(frames, values);
 }
 auto fields(Is<CameraAnimation> auto& value) {
-  auto& [position, look_at, up, fov, radius, focus, rotation] = value;
-  return std::tie(position, look_at, up, fov, radius, focus, rotation);
+  auto& [position, look_at, up, fov, radius, focus, rotation, view_height, shift] = value;
+  return std::tie(position, look_at, up, fov, radius, focus, rotation, view_height, shift);
 }
 auto fields(Is<LightAnimation> auto& value) {
   auto& [light, position, look_at, direction, color, angle, softness] = value;
@@ -170,10 +232,10 @@ auto fields(Is<Animation> auto& value) {
   return std::tie(camera, lights, instances);
 }
 auto fields(Is<SceneDescription> auto& value) {
-  auto& [settings, camera, display, textures, materials, objects, shapes, names, lights, environment,
-         animation, warnings] = value;
-  return std::tie(settings, camera, display, textures, materials, objects, shapes, names, lights, environment,
-                  animation, warnings);
+  auto& [settings, camera, camera_medium, display, textures, grids, media, materials, objects, shapes, names,
+         lights, environment, animation, warnings] = value;
+  return std::tie(settings, camera, camera_medium, display, textures, grids, media, materials, objects,
+                  shapes, names, lights, environment, animation, warnings);
 }
 auto fields(Is<Bvh::Arrays> auto& value) {
   auto& [nodes, packets, objects] = value;
@@ -231,6 +293,32 @@ constexpr bool is_known(Wrap value) {
   switch (value) {
     case Wrap::kRepeat:
     case Wrap::kClamp:
+    case Wrap::kMirror:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(CameraType value) {
+  switch (value) {
+    case CameraType::kPerspective:
+    case CameraType::kOrthographic:
+    case CameraType::kPanoramic:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(GridFilter value) {
+  switch (value) {
+    case GridFilter::kLinear:
+    case GridFilter::kNearest:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(GridBorder value) {
+  switch (value) {
+    case GridBorder::kClamp:
+    case GridBorder::kZero:
       return true;
   }
   return false;
@@ -258,6 +346,12 @@ constexpr bool is_known(Conductor value) {
     case Conductor::kGold:
     case Conductor::kSilver:
     case Conductor::kAluminium:
+    case Conductor::kBrass:
+    case Conductor::kChromium:
+    case Conductor::kNickel:
+    case Conductor::kTungsten:
+    case Conductor::kMercury:
+    case Conductor::kTitaniumNitride:
       return true;
   }
   return false;

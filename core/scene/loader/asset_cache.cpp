@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <string_view>
 
 #include "core/image/codecs.hpp"
 #include "core/scene/loader/text_lines.hpp"
+#include "core/scene/loader/volume_reader.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
@@ -49,24 +51,44 @@ std::string path_beside(const std::string& file, const std::string& name) {
   return slash == std::string::npos || name.starts_with('/') ? name : file.substr(0, slash + 1) + name;
 }
 
+// Numbers are not encoded.
+AssetCache::ImageKey AssetCache::key_of(const std::string& name, std::optional<ColorSpace> color_space,
+                                        TextureChannel channel) {
+  const bool is_alpha = channel == TextureChannel::kAlpha;
+  return {name, is_alpha ? ColorSpace::kLinear : color_space.value_or(ColorSpace::kSrgb), channel};
+}
+
 Result<std::shared_ptr<const TextureImage>> AssetCache::image(const std::string& path,
                                                               std::optional<ColorSpace> color_space,
-                                                              TextureChannel channel) {
-  const bool is_alpha = channel == TextureChannel::kAlpha;
-  const ColorSpace space = is_alpha ? ColorSpace::kLinear : color_space.value_or(ColorSpace::kSrgb);
-  const ImageKey key(path, space, channel);
+                                                              TextureChannel channel, FloatFiles floats) {
+  const ImageKey key = key_of(path, color_space, channel);
   const auto known = images_.find(key);
   if (known != images_.end()) return known->second;
   const auto bytes = assets_.read(path);
   if (!bytes) return fail(bytes.error());
-  if (color_space == ColorSpace::kSrgb && is_linear_format(*bytes))
+  if (floats == FloatFiles::kRefuseSrgb && color_space == ColorSpace::kSrgb && is_linear_format(*bytes))
     return fail(
         ErrorCode::kInvalidArgument,
         in_quotes(path) + " has linear values, as all HDR, EXR and PFM images; leave 'color_space' out");
-  if (is_alpha && !may_have_alpha(*bytes)) return opaque_;
-  if (const auto size = texture_size(*bytes))
-    if (auto counted = count_pixels(path, *size); !counted) return fail(counted.error());
-  auto decoded = decode(path, *bytes, space, channel);
+  return add_image(key, *bytes);
+}
+
+Result<std::shared_ptr<const TextureImage>> AssetCache::image_in_memory(const std::string& name,
+                                                                        std::string_view bytes,
+                                                                        ColorSpace color_space,
+                                                                        TextureChannel channel) {
+  const ImageKey key = key_of(name, color_space, channel);
+  const auto known = images_.find(key);
+  return known != images_.end() ? known->second : add_image(key, bytes);
+}
+
+Result<std::shared_ptr<const TextureImage>> AssetCache::add_image(const ImageKey& key,
+                                                                  std::string_view bytes) {
+  const auto& [name, color_space, channel] = key;
+  if (channel == TextureChannel::kAlpha && !may_have_alpha(bytes)) return opaque_;
+  if (const auto size = texture_size(bytes))
+    if (auto counted = count_pixels(name, *size); !counted) return fail(counted.error());
+  auto decoded = decode(name, bytes, color_space, channel);
   if (!decoded) return fail(decoded.error());
   auto shared = std::make_shared<const TextureImage>(std::move(*decoded));
   images_.emplace(key, shared);
@@ -101,6 +123,18 @@ Result<TextureImage> AssetCache::decode(const std::string& path, std::string_vie
   if (!oddities.empty() && !warnings_.knows(path))
     for (const std::string& oddity : oddities) warnings_.of(path).add(oddity, 0, [&] { return oddity; });
   return decoded;
+}
+
+Result<VoxelGrid> AssetCache::grid(const std::string& path) {
+  const auto bytes = assets_.read(path);
+  if (!bytes) return fail(bytes.error());
+  auto grid = read_volume(*bytes);
+  if (!grid) return fail(grid.error().code, fmt::format("{} {}", in_quotes(path), grid.error().message));
+  const auto rows = static_cast<int>(
+      std::min<std::size_t>(grid->voxel_count() / grid->size[0], std::numeric_limits<int>::max()));
+  if (auto counted = count_pixels(path, {static_cast<int>(grid->size[0]), rows}); !counted)
+    return fail(counted.error());
+  return grid;
 }
 
 Result<std::shared_ptr<const ObjFile>> AssetCache::obj(const std::string& path) {

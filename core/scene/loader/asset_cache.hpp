@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/media/voxel_grid.hpp"
 #include "core/scene/loader/asset_source.hpp"
 #include "core/scene/loader/file_warnings.hpp"
 #include "core/scene/loader/mtl_reader.hpp"
@@ -25,6 +26,9 @@ namespace tessera::core {
 // The path of a file named by another file: "house.mtl" in "models/house.obj" is "models/house.mtl".
 std::string path_beside(const std::string& file, const std::string& name);
 
+// What a colour space means for a file of floats, which is always linear.
+enum class FloatFiles { kRefuseSrgb, kAlwaysLinear };
+
 class AssetCache {
  public:
   // The arguments must outlive this object.
@@ -35,7 +39,13 @@ class AssetCache {
   // takes memory only if requested; it is linear, and 1 if the file has none.
   Result<std::shared_ptr<const TextureImage>> image(const std::string& path,
                                                     std::optional<ColorSpace> color_space,
-                                                    TextureChannel channel = TextureChannel::kColor);
+                                                    TextureChannel channel = TextureChannel::kColor,
+                                                    FloatFiles floats = FloatFiles::kRefuseSrgb);
+  // The same for an image file in memory. `name` identifies it, and is its name in messages.
+  Result<std::shared_ptr<const TextureImage>> image_in_memory(const std::string& name, std::string_view bytes,
+                                                              ColorSpace color_space, TextureChannel channel);
+  // A grid of a medium (volume_reader.hpp), not shared. Its voxels count as pixels of textures.
+  Result<VoxelGrid> grid(const std::string& path);
   Result<std::shared_ptr<const ObjFile>> obj(const std::string& path);
   Result<std::shared_ptr<const MtlFile>> mtl(const std::string& path);
 
@@ -43,10 +53,15 @@ class AssetCache {
   // written, with '/' for '\', then its last component, beside each of `files`; then ignoring case if
   // exactly one file matches. nullopt if there is none.
   std::optional<std::string> find(const std::string& written, const std::vector<std::string>& files);
+  // Adds the pixels of an image to the scene's total, if the limits allow it.
+  Status count_pixels(const std::string& path, TextureSize size);
 
  private:
-  // Adds the pixels to the scene's total, if the limits allow it.
-  Status count_pixels(const std::string& path, TextureSize size);
+  using ImageKey = std::tuple<std::string, ColorSpace, TextureChannel>;
+
+  static ImageKey key_of(const std::string& name, std::optional<ColorSpace> color_space,
+                         TextureChannel channel);
+  Result<std::shared_ptr<const TextureImage>> add_image(const ImageKey& key, std::string_view bytes);
   Result<TextureImage> decode(const std::string& path, std::string_view bytes, ColorSpace color_space,
                               TextureChannel channel);
 
@@ -56,7 +71,6 @@ class AssetCache {
   std::uint64_t texture_pixels_ = 0;  // of images_
   const std::shared_ptr<const TextureImage> opaque_ = std::make_shared<const TextureImage>(
       1, 1, std::vector<std::uint8_t>{255, 255, 255}, ColorSpace::kLinear);
-  using ImageKey = std::tuple<std::string, ColorSpace, TextureChannel>;
   std::map<ImageKey, std::shared_ptr<const TextureImage>> images_;
   std::map<std::string, std::shared_ptr<const ObjFile>> objs_;
   std::map<std::string, std::shared_ptr<const MtlFile>> mtls_;

@@ -123,6 +123,12 @@ std::size_t read_choice(const Field& field, std::span<const std::string_view> wo
   return 0;
 }
 
+bool read_bool(const Field& field) {
+  if (const auto* value = field.value().get_if<bool>()) return *value;
+  field.must_be("true or false");
+  return false;
+}
+
 Vec2 read_vec2(const Field& field, const Bounds& bounds) {
   const auto numbers = field_numbers<2>(field, bounds);
   return numbers ? Vec2{(*numbers)[0], (*numbers)[1]} : Vec2{1, 1};

@@ -81,6 +81,7 @@ std::string unquoted_number(const Bounds& bounds);
 float read_float(const Field& field, const Bounds& bounds);
 std::uint64_t read_whole_number(const Field& field, std::uint64_t min, std::uint64_t max);
 std::string read_text(const Field& field);  // not empty
+bool read_bool(const Field& field);
 // The index of the word among `words`.
 std::size_t read_choice(const Field& field, std::span<const std::string_view> words);
 Vec2 read_vec2(const Field& field, const Bounds& bounds);

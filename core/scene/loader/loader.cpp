@@ -1,185 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/loader/loader.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <filesystem>
-#include <limits>
-#include <map>
 #include <new>
 
-#include "core/scene/light_count.hpp"
-#include "core/scene/loader/asset_cache.hpp"
-#include "core/scene/loader/file_warnings.hpp"
-#include "core/scene/loader/mesh_builder.hpp"
-#include "core/scene/loader/obj_materials.hpp"
-#include "core/scene/loader/plausibility.hpp"
-#include "core/scene/loader/scene_file.hpp"
-#include "core/scene/loader/text_lines.hpp"
-#include "core/scene/loader/wording.hpp"
+#include "core/scene/import/front_ends.hpp"
+#include "core/scene/import/scene_format.hpp"
+#include "core/scene/loader/json_scene.hpp"
 
 namespace tessera::core {
 namespace {
 
-// Adds assets to the scene description. Errors are added to the Mistakes at the field that names the asset.
-class SceneAssembler {
- public:
-  SceneAssembler(AssetSource& assets, Mistakes& mistakes, const SceneLimits& limits)
-      : cache_(assets, limits, warnings_), mistakes_(mistakes), limits_(limits) {}
-  SceneAssembler(const SceneAssembler&) = delete;
-  SceneAssembler& operator=(const SceneAssembler&) = delete;
-
-  SceneDescription assemble(SceneFile file);
-
- private:
-  void add_texture(const TextureEntry& entry);
-  void add_scene_shape(ShapeEntry entry, std::string name);
-  // Adds a shape to the scene or to an object. `name` is the shape's name in messages.
-  template <typename Owner>
-  void add_shape(ShapeEntry entry, std::string name, Owner& owner);
-  void add_object(ObjectEntry entry);
-  Result<MeshDescription> load_mesh(const MeshEntry& entry);
-  // Adds a file's triangles to the scene's total, if the limits allow it.
-  Status count_triangles(const std::string& path, std::size_t triangles);
-
-  SceneWarnings warnings_;
-  AssetCache cache_;
-  Mistakes& mistakes_;
-  const SceneLimits& limits_;
-  std::uint64_t triangles_ = 0;
-  SceneDescription scene_;
-  ObjMaterials obj_materials_{cache_, scene_, warnings_};
-};
-
-SceneDescription SceneAssembler::assemble(SceneFile file) {
-  scene_.settings = file.settings;
-  scene_.camera = file.camera;
-  scene_.display = file.display;
-  scene_.lights = std::move(file.lights);
-  scene_.environment = file.environment;
-  scene_.animation.camera = std::move(file.camera_animation);
-  scene_.animation.lights = std::move(file.light_animations);
-  for (const auto& texture : file.textures) add_texture(texture);
-  std::vector<Place> material_places;
-  for (auto& entry : file.materials) {
-    scene_.materials.push_back(std::move(entry.material));
-    material_places.push_back(std::move(entry.place));
+ReadScene* reader_of(SceneFormat format) {
+  switch (format) {
+    case SceneFormat::kTessera:
+      break;
+    case SceneFormat::kGltf:
+      return read_gltf_scene;
+    case SceneFormat::kPbrt:
+      return read_pbrt_scene;
+    case SceneFormat::kMitsuba:
+      return read_mitsuba_scene;
+    case SceneFormat::kObj:
+    case SceneFormat::kPly:
+    case SceneFormat::kStl:
+      return read_mesh_scene;
   }
-  for (auto& object : file.objects) add_object(std::move(object));
-  for (std::size_t i = 0; i < file.shapes.size(); ++i)
-    add_scene_shape(std::move(file.shapes[i]), fmt::format("shapes[{}]", i));
-  if (mistakes_.empty()) check_plausibility(scene_, material_places, file.shapes_place, mistakes_);
-  scene_.warnings = warnings_.messages();
-  return std::move(scene_);
-}
-
-void SceneAssembler::add_texture(const TextureEntry& entry) {
-  auto image = cache_.image(entry.file, entry.color_space, entry.channel);
-  if (!image) mistakes_.add(entry.file_place, image.error().message, image.error().code);
-  scene_.textures.push_back({image ? *image : nullptr, entry.wrap, entry.scale, entry.offset});
-}
-
-void SceneAssembler::add_object(ObjectEntry entry) {
-  ObjectDescription object;
-  object.name = std::move(entry.name);
-  for (std::size_t i = 0; i < entry.shapes.size(); ++i)
-    add_shape(std::move(entry.shapes[i]), fmt::format("shapes[{}]", i), object);
-  scene_.objects.push_back(std::move(object));
-}
-
-// An animated shape becomes an instance of an object of its own, so that only its placement changes.
-void SceneAssembler::add_scene_shape(ShapeEntry entry, std::string name) {
-  TransformEntry placement = std::move(entry.placement);
-  const auto* shape = std::get_if<ShapeDescription>(&entry.shape);
-  const bool is_instance = shape != nullptr && std::holds_alternative<InstanceDescription>(*shape);
-  if (placement.motion.empty() || is_instance) {
-    add_shape(std::move(entry), std::move(name), scene_);
-  } else {
-    const auto object = static_cast<std::uint32_t>(scene_.objects.size());
-    ObjectDescription own{name, {}, {}};
-    add_shape(std::move(entry), name, own);
-    scene_.objects.push_back(std::move(own));
-    scene_.shapes.emplace_back(InstanceDescription{object, placement.transform, std::nullopt});
-    scene_.shape_names.push_back(std::move(name));
-  }
-  if (!placement.motion.empty())
-    scene_.animation.instances.push_back(
-        {static_cast<std::uint32_t>(scene_.shapes.size()) - 1, std::move(placement.motion)});
-}
-
-template <typename Owner>
-void SceneAssembler::add_shape(ShapeEntry entry, std::string name, Owner& owner) {
-  if (auto* shape = std::get_if<ShapeDescription>(&entry.shape)) {
-    owner.shapes.push_back(std::move(*shape));
-    owner.shape_names.push_back(std::move(name));
-    return;
-  }
-  const auto& mesh_entry = *std::get_if<MeshEntry>(&entry.shape);
-  auto mesh = load_mesh(mesh_entry);
-  if (!mesh) return mistakes_.add(mesh_entry.file_place, mesh.error().message, mesh.error().code);
-  owner.shapes.emplace_back(std::move(*mesh));
-  owner.shape_names.push_back(fmt::format("{} ({})", name, mesh_entry.file));
-}
-
-Result<MeshDescription> SceneAssembler::load_mesh(const MeshEntry& entry) {
-  const auto obj = cache_.obj(entry.file);
-  if (!obj) return fail(obj.error());
-  if (auto counted = count_triangles(entry.file, (*obj)->triangle_count()); !counted)
-    return fail(counted.error());
-  if (!warnings_.knows(entry.file)) warnings_.of(entry.file) = (*obj)->text.warnings;
-  std::vector<std::uint32_t> materials;
-  if (entry.material) {
-    materials = {*entry.material};
-  } else {
-    auto own = obj_materials_.of_runs(entry.file, **obj, entry.default_material);
-    if (!own) return fail(own.error());
-    materials = std::move(*own);
-  }
-  const auto colors = entry.material ? VertexColors::kIgnore : VertexColors::kUse;
-  auto mesh = build_mesh(**obj, entry.normals, entry.transform, materials, colors);
-  if (!mesh)
-    return fail(mesh.error().code, fmt::format("{} {}", in_quotes(entry.file), mesh.error().message));
-  obj_materials_.settle_bump_heights(*mesh);
-  return mesh;
-}
-
-Status SceneAssembler::count_triangles(const std::string& path, std::size_t triangles) {
-  triangles_ += triangles;
-  const auto& [most, option] = limits_.triangles;
-  if (triangles_ <= most) return {};
-  return fail(ErrorCode::kResourceExhausted,
-              fmt::format("with {} the scene has {} triangles, more than the {} that it may have here ({})",
-                          in_quotes(path), triangles_, most, option));
-}
-
-// Checked before lights are created. Light indices have 32 bits, and one value is reserved.
-Status check_lights(const SceneDescription& scene, const SceneLimit& limit) {
-  constexpr std::uint64_t kMaxLights = std::numeric_limits<std::uint32_t>::max() - 1;
-  const std::uint64_t lights = count_area_lights(scene) + scene.lights.size();
-  const std::uint64_t most = std::min(limit.most, kMaxLights);
-  if (lights <= most) return {};
-  return fail(
-      ErrorCode::kResourceExhausted,
-      fmt::format(
-          "the scene has {} lights (emissive triangles, quads and spheres, again for every instance), "
-          "more than the {} that it may have here{}: give large or repeated meshes a material "
-          "without emission",
-          lights, most, limit.option.empty() ? "" : fmt::format(" ({})", limit.option)));
+  return read_json_scene;
 }
 
 Result<SceneDescription> load(AssetSource& assets, const std::string& scene_path,
                               const std::string& display_path, const SceneLimits& limits) {
-  const auto text = assets.read(scene_path);
-  if (!text) return fail(text.error().within(display_path));
-  Mistakes mistakes(display_path);
-  SceneFile file = parse_scene_file(*text, display_path, mistakes);
-  if (!mistakes.empty()) return fail(mistakes.error());
-  SceneDescription scene = SceneAssembler(assets, mistakes, limits).assemble(std::move(file));
-  if (!mistakes.empty()) return fail(mistakes.error());
-  if (const Status fit = check_lights(scene, limits.lights); !fit)
-    return fail(fit.error().within(display_path));
-  return scene;
+  auto format = format_by_ending(scene_path);
+  if (!format) {
+    const auto bytes = assets.read(scene_path);
+    if (!bytes) return fail(bytes.error().within(display_path));
+    format = format_by_content(*bytes);
+  }
+  return reader_of(*format)(assets, scene_path, display_path, limits);
 }
 
 }  // namespace

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a scene file (JSON with comments; scenes/scene.schema.json describes it) and the assets it names.
+// Reads a scene file and the files it names. The ending of its name chooses the format, else its content:
+// our own (JSON with comments; scenes/scene.schema.json describes it), or that of another program
+// (core/scene/import/front_ends.hpp).
 //
-// Every mistake is an error that says file, line, field, what is wrong and what would be right, e.g.
-// "scene.json:14: materials.stone.albedo: must be between 0 and 1, got 3". Unknown keys are mistakes. Files
-// of other programs (OBJ, MTL and the images that MTL files name) are read leniently: missing or odd
-// content is substituted and reported in the description's warnings.
+// In our own format every mistake is an error that says file, line, field, what is wrong and what would be
+// right, e.g. "scene.json:14: materials.stone.albedo: must be between 0 and 1, got 3". Unknown keys are
+// mistakes. Files of other programs are read leniently: missing, odd or unsupported content is substituted
+// and reported in the description's warnings.
 #pragma once
 
 #include <string>

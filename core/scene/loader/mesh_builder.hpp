@@ -11,8 +11,6 @@
 
 namespace tessera::core {
 
-enum class VertexColors { kUse, kIgnore };
-
 // Invisible triangles are left out (triangle_filter.hpp). `materials` holds the scene's material for each
 // of the file's runs, or a single one for all triangles. Error messages complete a sentence that begins
 // with the file's name.

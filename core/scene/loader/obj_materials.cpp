@@ -174,7 +174,7 @@ Result<std::uint32_t> ObjMaterials::add_material(const Found& found) {
   added.name = library + ": " + added.name;
   const Rgb filter = material->transmission.value_or(Rgb{});
   const bool is_filtering = !is_black(filter) && filter != Rgb::gray(1);
-  if (is_filtering && is_opaque(added) && !std::holds_alternative<Glass>(added.model))
+  if (is_filtering && is_opaque(added, scene_.materials) && !std::holds_alternative<Glass>(added.model))
     warn(library, "Tf", 0, [] { return "'Tf' is used for glass only"; });
   if (added.bump.texture >= 0) unsettled_bumps_.push_back(index);
   scene_.materials.push_back(std::move(added));

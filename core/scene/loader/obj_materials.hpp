@@ -37,6 +37,9 @@ class ObjMaterials {
   // it.
   void settle_bump_heights(const MeshDescription& mesh);
 
+  // Of meshes without material; the same at each call.
+  std::uint32_t default_material(bool is_colored);
+
  private:
   // By path, in the order of the "mtllib" lines.
   using Libraries = std::vector<std::pair<std::string, std::shared_ptr<const MtlFile>>>;
@@ -54,7 +57,6 @@ class ObjMaterials {
   void tell_other_name(const std::string& file, int line, const std::string& written,
                        const std::string& expected, const std::string& found);
   void tell_gap(const ObjFile& obj, std::size_t run, const Names& names, bool is_filled);
-  std::uint32_t default_material(bool is_colored);
   Result<std::uint32_t> add_material(const Found& found);
   // The image of a map, or null if it has none that can be used.
   Result<Image> load(const MtlMaterial::Map& map, std::optional<ColorSpace> color_space = std::nullopt,

@@ -9,6 +9,7 @@
 #include <optional>
 #include <variant>
 
+#include "core/scene/import/scene_format.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
@@ -229,6 +230,78 @@ Result<Splice> SpliceFinder::find() {
   return Splice{begin, cursor_.skip_value(), wanted_.value};
 }
 
+// The position behind the start tag of the root element; nothing if there is none that has content.
+std::optional<std::size_t> behind_root_tag(std::string_view xml) {
+  std::size_t at = 0;
+  while ((at = xml.find('<', at)) != std::string_view::npos) {
+    const std::string_view rest = xml.substr(at);
+    if (rest.starts_with("<!--")) {
+      at = xml.find("-->", at);
+    } else if (rest.starts_with("<?") || rest.starts_with("<!")) {
+      ++at;
+    } else {
+      char quote = '\0';
+      for (std::size_t i = at; i < xml.size(); ++i) {
+        if (quote == '\0' && xml[i] == '>') return xml[i - 1] == '/' ? std::nullopt : std::optional(i + 1);
+        if (quote == '\0' && (xml[i] == '"' || xml[i] == '\''))
+          quote = xml[i];
+        else if (xml[i] == quote)
+          quote = '\0';
+      }
+      return std::nullopt;
+    }
+  }
+  return std::nullopt;
+}
+
+// The value as XML writes it: texts without quotes, lists without brackets.
+std::string xml_value(const std::string& json) {
+  const auto parsed = nlohmann::json::parse(json, nullptr, false);
+  std::string value = parsed.is_string() ? parsed.get<std::string>() : json;
+  if (parsed.is_array()) std::erase_if(value, [](char c) { return c == '[' || c == ']'; });
+  std::string escaped;
+  for (const char c : value) {
+    if (c == '&')
+      escaped += "&amp;";
+    else if (c == '<')
+      escaped += "&lt;";
+    else if (c == '"')
+      escaped += "&quot;";
+    else
+      escaped += c;
+  }
+  return escaped;
+}
+
+bool is_xml(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of("\xef\xbb\xbf \t\r\n");
+  return begin != std::string_view::npos && text[begin] == '<';
+}
+
+Result<std::string> with_xml_defaults(std::string xml, std::span<const ParameterOverride> overrides) {
+  const auto begin = behind_root_tag(xml);
+  if (!begin) return xml;
+  std::string defaults;
+  for (const ParameterOverride& wanted : overrides) {
+    const auto steps = steps_of(wanted.path);
+    if (steps.size() != 1 || !is_word(wanted.path))
+      return invalid_override(wanted.path, "a Mitsuba scene has parameters with plain names, as -D spp=64");
+    const bool is_used = xml.find("$" + wanted.path) != std::string::npos ||
+                         xml.find("\"" + wanted.path + "\"") != std::string::npos ||
+                         xml.find("<include") != std::string::npos;
+    if (!is_used) return invalid_override(wanted.path, "the scene has no such parameter");
+    defaults += fmt::format("<default name=\"{}\" value=\"{}\"/>", wanted.path, xml_value(wanted.value));
+  }
+  return xml.insert(*begin, defaults);
+}
+
+// Whether parameters of files with this name can be replaced, as far as the name tells.
+bool has_parameters(const std::string& path, std::string_view bytes) {
+  const auto format = format_by_ending(path);
+  return !format || *format == SceneFormat::kTessera || *format == SceneFormat::kMitsuba ||
+         (*format == SceneFormat::kGltf && is_json(bytes));
+}
+
 }  // namespace
 
 Result<ParameterOverride> parse_override(std::string_view text) {
@@ -250,6 +323,7 @@ Result<ParameterOverride> parse_override(std::string_view text) {
 }
 
 Result<std::string> with_overrides(std::string text, std::span<const ParameterOverride> overrides) {
+  if (is_xml(text)) return with_xml_defaults(std::move(text), overrides);
   if (!is_json(text)) return text;
   for (const ParameterOverride& wanted : overrides) {
     const auto splice = SpliceFinder(text, wanted).find();
@@ -266,6 +340,12 @@ Result<std::string> with_overrides(std::string text, std::span<const ParameterOv
 Result<std::string> OverriddenAssets::read(const std::string& path) {
   auto bytes = inner_.read(path);
   if (!bytes || path != scene_path_ || overrides_.empty()) return bytes;
+  if (!has_parameters(path, *bytes))
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{} has no parameters that -D can replace; those of .json, .gltf and Mitsuba's .xml "
+                    "files can be",
+                    in_quotes(path)));
   return with_overrides(std::move(*bytes), overrides_);
 }
 

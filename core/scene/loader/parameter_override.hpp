@@ -22,11 +22,13 @@ struct ParameterOverride {
 Result<ParameterOverride> parse_override(std::string_view text);
 
 // The scene file with the values replaced, one after the other; lines keep their numbers. An object that
-// lacks the key gets it, so that an unknown key is found when the scene is read. INVALID_ARGUMENT names the
-// path, and what is not there. A text that is no JSON is returned as it is, for the reader to report.
+// lacks the key gets it, so that an unknown key is found when the scene is read. In a Mitsuba scene the path
+// is the name of a parameter, which gets a <default> before all others. INVALID_ARGUMENT names the path, and
+// what is not there. A text that is neither JSON nor XML is returned as it is, for the reader to report.
 Result<std::string> with_overrides(std::string text, std::span<const ParameterOverride> overrides);
 
-// Other files as they are, and the scene file with overrides.
+// Other files as they are, and the scene file with overrides; INVALID_ARGUMENT if its format has no
+// parameters that can be replaced.
 class OverriddenAssets : public AssetSource {
  public:
   OverriddenAssets(AssetSource& inner, std::string scene_path, std::vector<ParameterOverride> overrides)

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -16,8 +17,10 @@ namespace {
 // The parameters that are reflectances or transmittances.
 std::vector<ColorParameter> shares_of(const MaterialModel& model) {
   std::vector<ColorParameter> shares;
-  visit_parameters(model, Overloaded{[&](auto, const ColorParameter& share) { shares.push_back(share); },
-                                     [](auto, const ScalarParameter&) {}});
+  const auto add = [&](std::string_view key, const ColorParameter& parameter) {
+    if (key != "eta" && key != "k") shares.push_back(parameter);
+  };
+  visit_parameters(model, Overloaded{add, [](auto, const ScalarParameter&) {}});
   return shares;
 }
 

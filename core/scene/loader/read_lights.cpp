@@ -4,7 +4,9 @@
 
 #include <cmath>
 
+#include "core/geometry/placement.hpp"
 #include "core/scene/loader/scene_file.hpp"
+#include "core/scene/validation.hpp"
 
 namespace tessera::core {
 namespace {
@@ -81,6 +83,22 @@ Rgb read_environment_radiance(const Field& field) {
   return {};
 }
 
+// The identity after a mistake.
+Transform read_orientation(const Field& field) {
+  const std::size_t mistakes_before = field.mistakes().count();
+  const TransformEntry steps = read_transform(field);
+  if (field.mistakes().count() > mistakes_before) return {};
+  if (!steps.motion.empty()) {
+    field.mistake("the orientation of the environment cannot be animated");
+    return {};
+  }
+  if (!(std::fabs(uniform_scale(steps.transform, kEnvironmentTolerance) - 1) <= kEnvironmentTolerance)) {
+    field.mistake("the steps together must be a rotation or a reflection, which keep all lengths");
+    return {};
+  }
+  return steps.transform;
+}
+
 }  // namespace
 
 std::vector<LightDescription> read_lights(const Field& field, std::vector<LightAnimation>& animations) {
@@ -108,15 +126,20 @@ EnvironmentDescription read_environment(const Field& field, const std::vector<Te
       read_or(object, "radiance", environment.radiance.value, read_environment_radiance);
   environment.rotation_degrees =
       read_or(object, "rotation_degrees", environment.rotation_degrees, read_float, bounds::kDegrees);
+  if (const auto orientation = object.find("orientation"))
+    environment.orientation = read_orientation(*orientation);
+  environment.visible_to_camera =
+      read_or(object, "visible_to_camera", environment.visible_to_camera, read_bool);
   if (const auto name = object.find("texture")) {
     const int index = read_texture_name(*name, textures);
     environment.radiance.texture = index;
     if (index < 0) return environment;
     const TextureEntry& texture = textures[static_cast<std::size_t>(index)];
-    if (texture.scale != Vec2{1, 1} || texture.offset != Vec2{0, 0} || texture.wrap != Wrap::kRepeat)
+    if (texture.scale != Vec2{1, 1} || texture.offset != Vec2{0, 0} || texture.wrap != Wrap::kRepeat ||
+        texture.wrap_v || texture.shear != Vec2{})
       name->mistake(
-          "the environment is one whole image: leave out the texture's 'scale', 'offset' and 'wrap'; "
-          "'rotation_degrees' turns it");
+          "the environment is one whole image: leave out the texture's 'scale', 'offset', 'shear' and "
+          "'wrap'; 'rotation_degrees' turns it");
   }
   return environment;
 }

@@ -7,6 +7,7 @@
 #include <functional>
 #include <set>
 
+#include "core/base/overloaded.hpp"
 #include "core/scene/loader/scene_file.hpp"
 #include "core/scene/loader/wording.hpp"
 
@@ -15,10 +16,10 @@ namespace {
 
 using scene_keys::kChannels;
 using scene_keys::kColorSpaces;
-using scene_keys::kEmissionSides;
 using scene_keys::kMaterialTypes;
 using scene_keys::kMicrofacetSamplings;
 using scene_keys::kSamplings;
+using scene_keys::kSides;
 using scene_keys::kWraps;
 
 using Words = std::span<const std::string_view>;
@@ -37,6 +38,9 @@ constexpr ScalarRules kRoughness{bounds::kUnit, scene_keys::kTexturedRoughness};
 constexpr ScalarRules kExponent{{[](double v) { return v >= 0 && v <= 1e5; }, "between 0 and 100000"},
                                 scene_keys::kTexturedExponent};
 constexpr ScalarRules kOpacity{bounds::kUnit, scene_keys::kTexturedOpacity};
+constexpr ScalarRules kLength{{[](double v) { return v >= 0 && v <= 1e15; }, "between 0 and 1e15"},
+                              scene_keys::kTexturedLength};
+constexpr Bounds kIndex{[](double v) { return v >= 0 && v <= 100; }, "between 0 and 100"};
 constexpr Bounds kStrength{[](double v) { return v >= 0 && v <= 100; }, "between 0 and 100"};
 
 constexpr std::string_view kTextureObject = "a texture as {\"texture\": \"NAME\"}";
@@ -121,7 +125,27 @@ class ParameterReader {
   Enum choice(std::string_view key, Enum otherwise, Words words) const {
     return read_or(object_, key, otherwise, read_choice, words);
   }
+  bool truth(std::string_view key, bool otherwise) const {
+    return read_or(object_, key, otherwise, read_bool);
+  }
+  // A constant of a conductor.
+  ColorParameter index(std::string_view key, const ColorParameter& otherwise) const {
+    return read_or(object_, key, otherwise, read_color_parameter, textures_, kIndex,
+                   scene_keys::kTexturedIndex);
+  }
   std::optional<Field> find(std::string_view key) const { return object_.find(key); }
+
+  // Reads the parameters of `model` whose kind its key tells: an index of refraction, a length or a share.
+  template <typename Model>
+  void all(Model& model) const {
+    visit_parameters(model, Overloaded{[&](std::string_view key, ScalarParameter& number) {
+                                         number = scalar(key, number, rules_of(key));
+                                       },
+                                       [&](std::string_view key, ColorParameter& color) {
+                                         color = key == "eta" || key == "k" ? index(key, color)
+                                                                            : share(key, color);
+                                       }});
+  }
 
   // Rejects surfaces that reflect more than they receive. Textures are clamped when they are evaluated.
   void check_sum(const ColorParameter& diffuse, const ColorParameter& specular) const {
@@ -135,6 +159,11 @@ class ParameterReader {
   }
 
  private:
+  static const ScalarRules& rules_of(std::string_view key) {
+    if (key.ends_with("ior")) return kIor;
+    return key.ends_with("depth") || key.ends_with("thickness") ? kLength : kRoughness;
+  }
+
   // The key, with its default if the file does not set it: 'specular'.
   std::string name_with_default(std::string_view key, const ColorParameter& value) const {
     return find(key) ? in_quotes(key) : fmt::format("{} ({} unless given)", in_quotes(key), value.value.r);
@@ -180,29 +209,102 @@ CookTorrance read_cook_torrance(const ParameterReader& read) {
   return model;
 }
 
+Principled read_principled(const ParameterReader& read) {
+  Principled model;
+  read.all(model);
+  model.geometry_thin_walled = read.truth("geometry_thin_walled", model.geometry_thin_walled);
+  return model;
+}
+
+Plastic read_plastic(const ParameterReader& read) {
+  Plastic model;
+  read.all(model);
+  model.nonlinear = read.truth("nonlinear", model.nonlinear);
+  return model;
+}
+
+ConductorMaterial read_conductor(const ParameterReader& read) {
+  ConductorMaterial model;
+  read.all(model);
+  if (const auto metal = read.find("metal")) {
+    const auto index = complex_index(static_cast<Conductor>(read_choice(*metal, scene_keys::kConductors)));
+    model.eta = {index.eta, -1};
+    model.k = {index.k, -1};
+    if (read.find("eta") || read.find("k"))
+      metal->mistake("a metal has its own 'eta' and 'k'; leave them out");
+  }
+  return model;
+}
+
+template <typename Model>
+Model read_all(const ParameterReader& read) {
+  Model model;
+  read.all(model);
+  return model;
+}
+
+// The index of a material above a blend.
+std::uint32_t read_part(const Field& field, const std::vector<MaterialEntry>& above) {
+  const std::string name = read_text(field);
+  const auto found = std::find_if(above.begin(), above.end(),
+                                  [&](const auto& entry) { return entry.material.name == name; });
+  if (found != above.end()) return static_cast<std::uint32_t>(found - above.begin());
+  std::vector<std::string_view> known;
+  for (const auto& entry : above) known.push_back(entry.material.name);
+  if (!name.empty())
+    field.mistake(
+        fmt::format("there is no material {} above this blend{}", in_quotes(name), suggestion(name, known)));
+  return 0;
+}
+
+Blend read_blend(const ParameterReader& read, const std::vector<MaterialEntry>& above) {
+  auto model = read_all<Blend>(read);
+  const auto parts = read.find("materials");
+  if (!parts) return model;
+  const auto* names = parts->value().get_if<JsonValue::Array>();
+  if (names == nullptr || names->size() != 2) {
+    parts->must_be("a list of 2 names of materials");
+    return model;
+  }
+  model.first = read_part(parts->element(0), above);
+  model.second = read_part(parts->element(1), above);
+  return model;
+}
+
 // `type` is an index into kMaterialTypes.
-MaterialModel read_model(const Field& field, std::size_t type, const std::vector<TextureEntry>& textures) {
-  static constexpr std::array kRules{scene_keys::kLambert, scene_keys::kMirror, scene_keys::kGlass,
-                                     scene_keys::kPhong, scene_keys::kCookTorrance};
+MaterialModel read_model(const Field& field, std::size_t type, const std::vector<TextureEntry>& textures,
+                         const std::vector<MaterialEntry>& above) {
+  static constexpr std::array kRules{
+      scene_keys::kLambert,        scene_keys::kMirror,       scene_keys::kGlass,
+      scene_keys::kPhong,          scene_keys::kCookTorrance, scene_keys::kPrincipled,
+      scene_keys::kPlastic,        scene_keys::kConductor,    scene_keys::kDiffuseTransmission,
+      scene_keys::kThinDielectric, scene_keys::kBlend,        scene_keys::kNull};
   const ParameterReader read(field, kRules[type], textures);
   if (type == 0) return Lambert{read.share("albedo", Lambert{}.albedo)};
   if (type == 1) return Mirror{read.share("reflectance", Mirror{}.reflectance)};
   if (type == 2) return read_glass(read);
   if (type == 3) return read_phong(read);
-  return read_cook_torrance(read);
+  if (type == 4) return read_cook_torrance(read);
+  if (type == 5) return read_principled(read);
+  if (type == 6) return read_plastic(read);
+  if (type == 7) return read_conductor(read);
+  if (type == 8) return read_all<DiffuseTransmission>(read);
+  if (type == 9) return read_all<ThinDielectric>(read);
+  if (type == 10) return read_blend(read, above);
+  return Null{};
 }
 
-Material read_material(const Field& field, const std::string& name,
-                       const std::vector<TextureEntry>& textures) {
+Material read_material(const Field& field, const std::string& name, const std::vector<TextureEntry>& textures,
+                       const std::vector<MediumDescription>& media, const std::vector<MaterialEntry>& above) {
   const auto type = read_type(field, kMaterialTypes, "material");
   if (!type) return {name, Lambert{}};
-  Material material{name, read_model(field, *type, textures)};
+  Material material{name, read_model(field, *type, textures, above)};
   // The model's reader has reported unknown keys already.
   if (const auto emission = find_member_field(field, "emission"))
     material.emission =
         read_color_parameter(*emission, textures, bounds::kNotNegative, scene_keys::kTexturedEmission);
   if (const auto sides = find_member_field(field, "emission_sides"))
-    material.two_sided_emission = read_choice(*sides, Words(kEmissionSides)) == 0;
+    material.two_sided_emission = read_choice(*sides, Words(kSides)) == 0;
   const bool microfacets = std::holds_alternative<CookTorrance>(material.model);
   if (const auto sampling = find_member_field(field, "sampling"))
     material.sampling =
@@ -213,6 +315,12 @@ Material read_material(const Field& field, const std::string& name,
     material.bump = read_map(*bump, kBumpRules, &BumpMap::height, textures);
   if (const auto opacity = find_member_field(field, "opacity"))
     material.opacity = read_scalar(*opacity, kOpacity, textures);
+  if (const auto sides = find_member_field(field, "sides"))
+    material.two_sided = read_choice(*sides, Words(kSides)) == 0;
+  if (const auto medium = find_member_field(field, "interior_medium"))
+    material.media.interior = read_medium_name(*medium, media);
+  if (const auto medium = find_member_field(field, "exterior_medium"))
+    material.media.exterior = read_medium_name(*medium, media);
   return material;
 }
 
@@ -269,15 +377,19 @@ std::vector<TextureEntry> read_textures(const Field& field) {
     texture.wrap = read_or(object, "wrap", texture.wrap, read_choice, Words(kWraps));
     texture.scale = read_or(object, "scale", texture.scale, read_vec2, bounds::kAny);
     texture.offset = read_or(object, "offset", texture.offset, read_vec2, bounds::kAny);
+    if (const auto wrap = object.find("wrap_v"))
+      texture.wrap_v = static_cast<Wrap>(read_choice(*wrap, Words(kWraps)));
+    texture.shear = read_or(object, "shear", texture.shear, read_vec2, bounds::kAny);
     textures.push_back(std::move(texture));
   }
   return textures;
 }
 
-std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<TextureEntry>& textures) {
+std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<TextureEntry>& textures,
+                                          const std::vector<MediumDescription>& media) {
   std::vector<MaterialEntry> materials;
   for (const auto& [name, entry] : read_named(field))
-    materials.push_back({read_material(entry, name, textures), entry.place()});
+    materials.push_back({read_material(entry, name, textures, media, materials), entry.place()});
   return materials;
 }
 

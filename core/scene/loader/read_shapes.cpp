@@ -10,6 +10,7 @@
 
 #include "core/base/overloaded.hpp"
 #include "core/geometry/placement.hpp"
+#include "core/scene/analytic_shapes.hpp"
 #include "core/scene/loader/scene_file.hpp"
 #include "core/scene/loader/wording.hpp"
 
@@ -18,6 +19,7 @@ namespace {
 
 using scene_keys::kNormals;
 using scene_keys::kShapeTypes;
+using scene_keys::kVertexColors;
 
 using Words = std::span<const std::string_view>;
 
@@ -35,7 +37,26 @@ Vec3 read_axis(const Field& rotation, const ObjectReader& object) {
   return {0, 1, 0};
 }
 
+// [w, x, y, z], of unit length.
+Quaternion read_quaternion(const Field& field) {
+  constexpr std::size_t kCount = 4;
+  const auto* items = field.value().get_if<JsonValue::Array>();
+  std::array<float, kCount> q{1, 0, 0, 0};
+  if (items == nullptr || items->size() != kCount) {
+    field.must_be("a list of 4 numbers, [w, x, y, z]");
+    return {};
+  }
+  for (std::size_t i = 0; i < kCount; ++i) q[i] = read_float(field.element(i), bounds::kAny);
+  const float squared_norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  if (!(std::fabs(squared_norm - 1) < 1e-3f)) field.must_be("a quaternion of length 1");
+  return {q[0], q[1], q[2], q[3]};
+}
+
 Quaternion read_rotation_key(const Field& field) {
+  if (find_member_field(field, "quaternion")) {
+    const ObjectReader object(field, scene_keys::kQuaternion);
+    return read_or(object, "quaternion", Quaternion(), read_quaternion);
+  }
   const ObjectReader object(field, scene_keys::kRotation);
   const Vec3 axis = read_axis(field, object);
   return rotation_quaternion(axis, read_or(object, "degrees", 0.0f, read_float, bounds::kDegrees));
@@ -48,6 +69,7 @@ MotionStep read_rotation(const Field& field) {
     read_animated(field, motion.rotations, read_rotation_key);
     return motion;
   }
+  if (find_member_field(field, "quaternion")) return rotation(read_rotation_key(field));
   const ObjectReader object(field, scene_keys::kRotation);
   TurnMotion motion{read_axis(field, object), {}};
   const float degrees =
@@ -130,6 +152,19 @@ std::optional<std::uint32_t> read_material_name(const Field& field,
   return std::nullopt;
 }
 
+std::vector<std::uint32_t> read_material_names(const Field& field,
+                                               const std::vector<MaterialEntry>& materials) {
+  const auto* items = field.value().get_if<JsonValue::Array>();
+  if (items == nullptr || items->empty()) {
+    field.must_be("a list of names of materials");
+    return {};
+  }
+  std::vector<std::uint32_t> indices;
+  for (std::size_t i = 0; i < items->size(); ++i)
+    if (const auto index = read_material_name(field.element(i), materials)) indices.push_back(*index);
+  return indices;
+}
+
 // The keys common to all shapes.
 struct Common {
   std::optional<std::uint32_t> material;
@@ -159,6 +194,13 @@ ShapeEntry read_mesh(const Field& field, const std::vector<MaterialEntry>& mater
   mesh.material = common.material;
   if (const auto material = object.find("default_material"))
     mesh.default_material = read_material_name(*material, materials);
+  if (const auto list = object.find("materials")) {
+    mesh.materials = read_material_names(*list, materials);
+    if (mesh.material || mesh.default_material)
+      list->mistake("leave 'material' and 'default_material' out where 'materials' are given, or this");
+  }
+  mesh.colors = read_or(object, "vertex_colors", mesh.material ? VertexColors::kIgnore : VertexColors::kUse,
+                        read_choice, Words(kVertexColors));
   mesh.transform = common.transform();
   return {std::move(mesh), field.place(), common.placement};
 }
@@ -206,6 +248,52 @@ ShapeEntry read_quad(const Field& field, const std::vector<MaterialEntry>& mater
     field.mistake("'edge_u' and 'edge_v' must span an area that is greater than 0 and can be computed");
   if (t.determinant() < 0) return {ShapeDescription(mirrored_quad(quad)), field.place()};
   return {ShapeDescription(quad), field.place(), common.placement};
+}
+
+// The shape is returned by description(), which is called only if there are no mistakes yet.
+template <typename Description>
+ShapeEntry analytic_entry(const Field& field, std::size_t mistakes_before, const Common& common,
+                          const Description& description) {
+  using Shape = decltype(description());
+  if (field.mistakes().count() > mistakes_before) return {ShapeDescription(Shape{}), field.place()};
+  Shape shape = description();
+  shape.material = common.material.value_or(0);
+  return {ShapeDescription(placed(shape, common.transform())), field.place(), common.placement};
+}
+
+ShapeEntry read_disk(const Field& field, const std::vector<MaterialEntry>& materials) {
+  const std::size_t mistakes_before = field.mistakes().count();
+  const ObjectReader object(field, scene_keys::kDisk);
+  const Common common = read_common(object, materials);
+  const Vec3 center = read_or(object, "center", Vec3{0, 0, 0}, read_vec3, bounds::kCoordinate);
+  const Vec3 normal = read_or(object, "normal", Vec3{0, 0, 1}, read_vec3, bounds::kAny);
+  const float radius = read_or(object, "radius", 1.0f, read_float, bounds::kPositive);
+  const float inner = read_or(object, "inner_radius", 0.0f, read_float, bounds::kNotNegative);
+  const bool flipped = read_or(object, "flip_normal", false, read_bool);
+  if (!has_direction(Vec3d(normal)))
+    field.mistake("'normal' must have a length that is greater than 0 and can be computed");
+  if (!(inner < radius)) field.mistake("'inner_radius' must be less than 'radius'");
+  return analytic_entry(field, mistakes_before, common, [&] {
+    DiskDescription disk = make_disk(center, normal, radius, inner);
+    disk.flipped = flipped;
+    return disk;
+  });
+}
+
+ShapeEntry read_cylinder(const Field& field, const std::vector<MaterialEntry>& materials) {
+  const std::size_t mistakes_before = field.mistakes().count();
+  const ObjectReader object(field, scene_keys::kCylinder);
+  const Common common = read_common(object, materials);
+  const Vec3 start = read_or(object, "start", Vec3{0, 0, 0}, read_vec3, bounds::kCoordinate);
+  const Vec3 end = read_or(object, "end", Vec3{0, 0, 1}, read_vec3, bounds::kCoordinate);
+  const float radius = read_or(object, "radius", 1.0f, read_float, bounds::kPositive);
+  const bool flipped = read_or(object, "flip_normal", false, read_bool);
+  if (start == end) field.mistake("'start' and 'end' must be two points");
+  return analytic_entry(field, mistakes_before, common, [&] {
+    CylinderDescription cylinder = make_cylinder(start, end, radius);
+    cylinder.flipped = flipped;
+    return cylinder;
+  });
 }
 
 // The index among `objects`.
@@ -305,18 +393,19 @@ TransformEntry read_transform(const Field& field) {
 }
 
 std::vector<ObjectEntry> read_objects(const Field& field, const std::vector<MaterialEntry>& materials) {
-  std::vector<ObjectEntry> objects;
-  for (const auto& [name, entry] : read_named(field)) {
-    const ObjectReader object(entry, scene_keys::kObject);
-    ObjectEntry read{name, {}};
-    if (const auto shapes = object.find("shapes")) read.shapes = read_shapes(*shapes, materials, nullptr);
-    objects.push_back(std::move(read));
+  const auto entries = read_named(field);
+  std::vector<ObjectEntry> objects;  // all names first, for instances
+  for (const auto& [name, entry] : entries) objects.push_back({name, {}});
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const ObjectReader object(entries[i].second, scene_keys::kObject);
+    if (const auto shapes = object.find("shapes"))
+      objects[i].shapes = read_shapes(*shapes, materials, objects, ShapeOwner::kObject);
   }
   return objects;
 }
 
 std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<MaterialEntry>& materials,
-                                    const std::vector<ObjectEntry>* objects) {
+                                    const std::vector<ObjectEntry>& objects, ShapeOwner owner) {
   const auto* items = field.value().get_if<JsonValue::Array>();
   if (items == nullptr || items->empty()) {
     field.must_be("a list of at least one shape");
@@ -330,10 +419,10 @@ std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<Materi
     if (*type == 0) shapes.push_back(read_mesh(entry, materials));
     if (*type == 1) shapes.push_back(read_sphere(entry, materials));
     if (*type == 2) shapes.push_back(read_quad(entry, materials));
-    if (*type == 3 && objects != nullptr) shapes.push_back(read_instance(entry, materials, *objects));
-    if (*type == 3 && objects == nullptr)
-      entry.mistake("an object cannot hold instances of others; write them in the scene's own 'shapes'");
-    if (*type != 3 && objects == nullptr) refuse_motion(shapes.back(), entry);
+    if (*type == 4) shapes.push_back(read_disk(entry, materials));
+    if (*type == 5) shapes.push_back(read_cylinder(entry, materials));
+    if (*type == 3) shapes.push_back(read_instance(entry, materials, objects));
+    if (owner == ShapeOwner::kObject) refuse_motion(shapes.back(), entry);
   }
   return shapes;
 }

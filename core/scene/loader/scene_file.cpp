@@ -17,6 +17,9 @@ constexpr Bounds kTurn{[](double v) { return v >= -360 && v <= 360; }, "between 
 constexpr Bounds kExposure{[](double v) { return std::fabs(v) <= double{kMaxExposureStops}; },
                            "between -64 and 64 stops"};
 
+constexpr Bounds kShift{[](double v) { return std::fabs(v) <= double{kMaxLensShift}; },
+                        "between -1000 and 1000 widths or heights of the image"};
+
 bool are_parallel(Vec3 a, Vec3 b) {
   const Vec3 u = normalize(a), v = normalize(b);
   return length(cross(u, v)) < 1e-4f;
@@ -32,6 +35,25 @@ void check_viewing_direction(const CameraDescription& camera, const Field& field
   } else if (are_parallel(direction, camera.up)) {
     field.mistake("'up' must not point along the line from 'position' to 'look_at'");
   }
+}
+
+// Reports keys that cameras of the type do not have.
+void check_camera_keys(CameraType type, const ObjectReader& camera, const Field& field) {
+  struct Rule {
+    std::string_view key;
+    bool known;
+  };
+  const bool has_lens = type != CameraType::kPanoramic;
+  const bool is_orthographic = type == CameraType::kOrthographic;
+  for (const auto& [key, known] :
+       {Rule{"vertical_fov_degrees", type == CameraType::kPerspective}, Rule{"view_height", is_orthographic},
+        Rule{"lens_shift", has_lens}, Rule{"aperture_radius", has_lens}, Rule{"focus_distance", has_lens},
+        Rule{"aperture_blades", has_lens}, Rule{"aperture_rotation_degrees", has_lens}})
+    if (const auto found = camera.find(key); found && !known)
+      found->mistake(fmt::format("a camera of the type '{}' does not have this key",
+                                 scene_keys::kCameraTypes[static_cast<std::size_t>(type)]));
+  if (is_orthographic && !camera.find("view_height"))
+    field.mistake("an orthographic camera needs the key 'view_height'");
 }
 
 // 0, or the number of a polygon's corners.
@@ -134,6 +156,14 @@ CameraDescription read_camera(const Field& field, CameraAnimation& a) {
   camera.aperture_rotation_degrees =
       read_animated_or(object, "aperture_rotation_degrees", camera.aperture_rotation_degrees,
                        a.aperture_rotation_degrees, read_float, kTurn);
+  camera.type = read_or(object, "type", camera.type, read_choice,
+                        std::span<const std::string_view>(scene_keys::kCameraTypes));
+  camera.view_height = read_animated_or(object, "view_height", camera.view_height, a.view_height, read_float,
+                                        bounds::kPositive);
+  camera.lens_shift =
+      read_animated_or(object, "lens_shift", camera.lens_shift, a.lens_shift, read_vec2, kShift);
+  camera.mirrored = read_or(object, "mirror", camera.mirrored, read_bool);
+  check_camera_keys(camera.type, object, field);
   if (field.mistakes().count() == mistakes_before) check_viewing_direction(camera, field);
   return camera;
 }
@@ -158,14 +188,20 @@ SceneFile parse_scene_file(std::string_view text, const std::string& display_pat
   SceneFile scene;
   if (const auto schema = object.find("$schema")) read_text(*schema);
   if (const auto render = object.find("render")) scene.settings = read_render(*render);
-  if (const auto camera = object.find("camera")) scene.camera = read_camera(*camera, scene.camera_animation);
+  if (const auto grids = object.find("grids")) scene.grids = read_grids(*grids);
+  if (const auto media = object.find("media")) scene.media = read_media(*media, scene.grids);
+  if (const auto camera = object.find("camera")) {
+    scene.camera = read_camera(*camera, scene.camera_animation);
+    if (const auto medium = find_member_field(*camera, "medium"))
+      scene.camera_medium = read_medium_name(*medium, scene.media);
+  }
   if (const auto output = object.find("output")) scene.display = read_output(*output);
   if (const auto textures = object.find("textures")) scene.textures = read_textures(*textures);
   if (const auto materials = object.find("materials"))
-    scene.materials = read_materials(*materials, scene.textures);
+    scene.materials = read_materials(*materials, scene.textures, scene.media);
   if (const auto objects = object.find("objects")) scene.objects = read_objects(*objects, scene.materials);
   if (const auto shapes = object.find("shapes")) {
-    scene.shapes = read_shapes(*shapes, scene.materials, &scene.objects);
+    scene.shapes = read_shapes(*shapes, scene.materials, scene.objects, ShapeOwner::kScene);
     scene.shapes_place = shapes->place();
   }
   if (const auto lights = object.find("lights")) scene.lights = read_lights(*lights, scene.light_animations);

@@ -24,6 +24,15 @@ struct TextureEntry {
   TextureChannel channel = TextureChannel::kColor;
   Wrap wrap = Wrap::kRepeat;
   Vec2 scale{1, 1}, offset{0, 0};
+  std::optional<Wrap> wrap_v{};
+  Vec2 shear{0, 0};
+};
+
+struct GridEntry {
+  std::string name, file;
+  Place file_place;
+  GridFilter filter = GridFilter::kLinear;
+  GridBorder border = GridBorder::kClamp;
 };
 
 struct MaterialEntry {
@@ -39,12 +48,16 @@ enum class NormalsMode {
   kFlat,    // none
 };
 
+enum class VertexColors { kUse, kIgnore };
+
 struct MeshEntry {
   std::string file;
   Place file_place;
   NormalsMode normals = NormalsMode::kFile;
   std::optional<std::uint32_t> material;          // of all triangles; nullopt: those of the OBJ file
   std::optional<std::uint32_t> default_material;  // of triangles without a material in the OBJ file
+  std::vector<std::uint32_t> materials;           // those that a PLY file's "material_index" counts
+  VertexColors colors = VertexColors::kUse;
   Transform transform;
 };
 
@@ -64,14 +77,17 @@ struct ShapeEntry {
 // An object for instances.
 struct ObjectEntry {
   std::string name;
-  std::vector<ShapeEntry> shapes;  // no instances
+  std::vector<ShapeEntry> shapes;
 };
 
 struct SceneFile {
   RenderSettings settings;
   CameraDescription camera;
+  int camera_medium = kNoMedium;
   DisplaySettings display;
   std::vector<TextureEntry> textures;
+  std::vector<GridEntry> grids;
+  std::vector<MediumDescription> media;
   std::vector<MaterialEntry> materials;
   std::vector<ObjectEntry> objects;
   std::vector<ShapeEntry> shapes;
@@ -92,14 +108,21 @@ DisplaySettings read_output(const Field& field);
 std::vector<TextureEntry> read_textures(const Field& field);
 // The index in `textures`; -1 after a mistake.
 int read_texture_name(const Field& field, const std::vector<TextureEntry>& textures);
-std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<TextureEntry>& textures);
+std::vector<GridEntry> read_grids(const Field& field);
+std::vector<MediumDescription> read_media(const Field& field, const std::vector<GridEntry>& grids);
+// The index in `media`; kNoMedium after a mistake.
+int read_medium_name(const Field& field, const std::vector<MediumDescription>& media);
+std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<TextureEntry>& textures,
+                                          const std::vector<MediumDescription>& media);
 // Textures without a colour space that are used only for numbers (normal maps, roughness) become linear.
 void settle_color_spaces(SceneFile& scene);
-// Objects must not contain instances.
+// Objects may hold instances of each other.
 std::vector<ObjectEntry> read_objects(const Field& field, const std::vector<MaterialEntry>& materials);
-// If `objects` is null, instances are a mistake.
+// Instances may be those of `objects`. Shapes may move by themselves if they are the scene's own, and not
+// those of an object.
+enum class ShapeOwner { kScene, kObject };
 std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<MaterialEntry>& materials,
-                                    const std::vector<ObjectEntry>* objects);
+                                    const std::vector<ObjectEntry>& objects, ShapeOwner owner);
 // At frame 0; appends to `animations`.
 std::vector<LightDescription> read_lights(const Field& field, std::vector<LightAnimation>& animations);
 EnvironmentDescription read_environment(const Field& field, const std::vector<TextureEntry>& textures);

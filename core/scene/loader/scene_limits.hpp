@@ -22,7 +22,7 @@ struct SceneLimits {
   // Pixels of one image, and of all texture images. An image that is read in two colour spaces counts
   // twice.
   SceneLimit texture_pixels, scene_texture_pixels;
-  // Emissive triangles, quads and spheres, including those of every instance.
+  // Emissive triangles and other shapes, including those of every instance.
   SceneLimit lights;
 };
 

@@ -5,6 +5,8 @@ import {readZip} from './zip.js';
 
 const kIgnored = /(^|\/)(\.|__MACOSX\/|Thumbs\.db$)/;
 const kMaxTextBytes = 1 << 26;
+const kScene = /\.(json|gltf|glb|pbrt|xml)$/i;
+const kMesh = /\.(obj|ply|stl)$/i; // rendered by itself if there is no scene
 
 const folderOf = (path) => path.slice(0, path.lastIndexOf('/') + 1);
 const baseOf = (path) => path.slice(path.lastIndexOf('/') + 1);
@@ -57,9 +59,10 @@ async function unpackSingle(files) {
 
 // The scene files among them, the likeliest first.
 export function findScenes(files) {
-  const rank = ({path}) => path.split('/').length * 2 + (baseOf(path) === 'scene.json' ? 0 : 1);
+  const rank = ({path}) =>
+    (kMesh.test(path) ? 1000 : 0) + path.split('/').length * 2 + (/^scene\./i.test(baseOf(path)) ? 0 : 1);
   return files
-    .filter(({path}) => /\.json$/i.test(path) && !/\.schema\.json$/i.test(path))
+    .filter(({path}) => (kScene.test(path) || kMesh.test(path)) && !/\.schema\.json$/i.test(path))
     .sort((a, b) => rank(a) - rank(b) || (a.path < b.path ? -1 : 1));
 }
 
@@ -87,14 +90,16 @@ async function textOf(file) {
   return file.size > kMaxTextBytes ? '' : (await file.blob()).text();
 }
 
-// The strings of a scene file, which may have comments.
+// The strings of a scene file, which may have comments: in JSON, pbrt and XML they are in the same quotes. URIs of glTF
+// also as they are without escapes.
 function stringsOf(text) {
-  const found = [];
+  const found = new Set();
   for (const [literal] of text.matchAll(/"(?:[^"\\\n]|\\.)*"/g)) {
     try {
-      found.push(JSON.parse(literal));
+      const string = JSON.parse(literal);
+      found.add(string).add(decodeURIComponent(string));
     } catch {
-      // No string of JSON: the coordinator reports it.
+      // No string of JSON, or no URI: the coordinator reports what is missing.
     }
   }
   return found;
@@ -109,12 +114,16 @@ export async function bundleOf(scene, files, isAll) {
   const bundle = new Map([[baseOf(scene.path), scene]]);
   const add = (file) => bundle.set(relativeTo(folder, file.path), file);
   if (isAll) files.forEach(add);
-  for (const name of stringsOf(await textOf(scene))) {
-    const path = normalise(folder + name.replaceAll('\\', '/'));
-    const file = byPath.get(path) ?? byLowerPath.get(path.toLowerCase());
-    if (!file || file === scene) continue;
-    add(file);
-    if (byPath.has(path)) bundle.set(name, file);
+  const read = new Set(kMesh.test(scene.path) ? [] : [scene]); // grows while it is walked: scene files include others
+  for (const some of read) {
+    for (const name of stringsOf(await textOf(some))) {
+      const path = normalise(folder + name.replaceAll('\\', '/'));
+      const file = byPath.get(path) ?? byLowerPath.get(path.toLowerCase());
+      if (!file || file === scene) continue;
+      add(file);
+      if (byPath.has(path)) bundle.set(name, file);
+      if (kScene.test(file.path)) read.add(file);
+    }
   }
   if (!isAll) await addOfMeshes(bundle, files, add);
   return [...bundle].map(([path, file]) => ({path, file})).sort((a, b) => (a.path < b.path ? -1 : 1));

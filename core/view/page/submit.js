@@ -188,7 +188,8 @@ class SubmitView {
     if (scenes.length === 0) {
       if (this.files.length > 0)
         this.showMessages([
-          `tessera: error: there is no scene file (.json) among ${plural(this.files.length, 'file')}`,
+          `tessera: error: there is no scene (.json, .gltf, .glb, .pbrt, .xml, .obj, .ply, .stl) among ` +
+            plural(this.files.length, 'file'),
         ]);
       return;
     }

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/import/scene_builder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/image/codecs.hpp"
+#include "core/scene/import/empty_objects.hpp"
+#include "core/scene/import/mesh_repair.hpp"
+#include "core/scene/import/scene_bounds.hpp"
+#include "core/scene/import/scene_defaults.hpp"
+#include "core/scene/loader/light_limit.hpp"
+#include "core/scene/loader/wording.hpp"
+
+namespace tessera::core {
+
+SceneBuilder::SceneBuilder(AssetSource& assets, std::string scene_path, std::string display_path,
+                           const SceneLimits& limits)
+    : assets_(assets),
+      scene_path_(std::move(scene_path)),
+      display_path_(std::move(display_path)),
+      limits_(limits),
+      cache_(assets, limits, warnings_) {}
+
+std::string SceneBuilder::shown(const std::string& path) const {
+  return path == scene_path_ ? display_path_ : path;
+}
+
+Result<SceneBuilder::Image> SceneBuilder::image_file(const std::string& path, const ImageUse& use) {
+  return cache_.image(path, use.color_space, use.channel, FloatFiles::kAlwaysLinear);
+}
+
+Result<SceneBuilder::Image> SceneBuilder::image_bytes(const std::string& name, std::string_view bytes,
+                                                      const ImageUse& use) {
+  return cache_.image_in_memory(name, bytes, use.color_space, use.channel);
+}
+
+Result<SceneBuilder::Image> SceneBuilder::image_pixels(const std::string& name, TextureImage image) {
+  if (auto counted = cache_.count_pixels(name, {image.width(), image.height()}); !counted)
+    return fail(counted.error());
+  return std::make_shared<const TextureImage>(std::move(image));
+}
+
+int SceneBuilder::add_texture(const Texture& texture) {
+  auto& textures = scene_.textures;
+  const auto known = std::find(textures.begin(), textures.end(), texture);
+  if (known != textures.end()) return static_cast<int>(known - textures.begin());
+  textures.push_back(texture);
+  return static_cast<int>(textures.size()) - 1;
+}
+
+Result<int> SceneBuilder::add_texture(const std::string& path, const ImageUse& use) {
+  auto image = image_file(path, use);
+  if (!image) return fail(image.error());
+  Texture texture;
+  texture.image = std::move(*image);
+  return add_texture(texture);
+}
+
+// The parts of a blend have sides of their own.
+std::uint32_t SceneBuilder::add_material(Material material) {
+  if (std::holds_alternative<Blend>(material.model)) material.two_sided = true;
+  scene_.materials.push_back(std::move(material));
+  return static_cast<std::uint32_t>(scene_.materials.size()) - 1;
+}
+
+std::uint32_t SceneBuilder::default_material() {
+  if (!default_material_) {
+    Material material;
+    material.name = "default";
+    default_material_ = add_material(std::move(material));
+  }
+  return *default_material_;
+}
+
+std::uint32_t SceneBuilder::add_object(std::string name) {
+  ObjectDescription object;
+  object.name = std::move(name);
+  scene_.objects.push_back(std::move(object));
+  return static_cast<std::uint32_t>(scene_.objects.size()) - 1;
+}
+
+Status SceneBuilder::check_triangles(const std::string& path, std::uint64_t more) const {
+  const auto& [most, option] = limits_.triangles;
+  if (more <= most && triangles_ <= most - more) return {};
+  return fail(ErrorCode::kResourceExhausted,
+              fmt::format("with {} the scene has {} triangles, more than the {} that it may have here ({})",
+                          in_quotes(path), triangles_ + more, most, option));
+}
+
+Status SceneBuilder::count_triangles(const std::string& path, std::uint64_t more) {
+  auto fits = check_triangles(path, more);
+  if (fits) triangles_ += more;
+  return fits;
+}
+
+Status SceneBuilder::add_mesh(MeshDescription mesh, std::string name, std::optional<std::uint32_t> object,
+                              const std::string& file, int line) {
+  if (auto fits = check_triangles(file, mesh.triangles.size()); !fits) return fits;
+  tell_repairs(repair_mesh(mesh), line, warnings_.of(shown(file)));
+  if (mesh.triangles.empty()) {
+    warn(file, line, "empty mesh", "a mesh without a triangle that has an area is left out");
+    return {};
+  }
+  triangles_ += mesh.triangles.size();
+  add_shape(std::move(mesh), std::move(name), object);
+  return {};
+}
+
+void SceneBuilder::add_shape(ShapeDescription shape, std::string name, std::optional<std::uint32_t> object) {
+  auto& shapes = object ? scene_.objects[*object].shapes : scene_.shapes;
+  auto& names = object ? scene_.objects[*object].shape_names : scene_.shape_names;
+  shapes.push_back(std::move(shape));
+  names.push_back(std::move(name));
+}
+
+void SceneBuilder::add_instance(std::uint32_t object, const Transform& to_world, std::string name,
+                                std::optional<std::uint32_t> material) {
+  InstanceDescription instance;
+  instance.object = object;
+  instance.to_world = to_world;
+  instance.material = material;
+  add_shape(std::move(instance), std::move(name));
+}
+
+void SceneBuilder::set_camera(const CameraDescription& camera) {
+  scene_.camera = camera;
+  has_camera_ = true;
+}
+
+Result<SceneDescription> SceneBuilder::finish(const SceneDefaults& defaults) {
+  remove_empty_objects(scene_);
+  if (scene_.shapes.empty())
+    return fail(ErrorCode::kInvalidArgument, display_path_ + ": has no shape that can be rendered");
+  if (!has_camera_ && defaults.camera) {
+    const auto [width, height] = std::pair(scene_.settings.width_px, scene_.settings.height_px);
+    const float aspect = static_cast<float>(width) / static_cast<float>(height);
+    set_camera(default_camera(scene_bounds(scene_), aspect, defaults));
+  }
+  if (scene_.lights.empty() && !scene_.environment && defaults.studio_light) {
+    Texture studio;
+    studio.image = std::make_shared<const TextureImage>(studio_environment(defaults));
+    EnvironmentDescription environment;
+    environment.radiance.texture = add_texture(studio);
+    set_environment(std::move(environment));
+  }
+  if (const Status fit = check_lights(scene_, limits_.lights); !fit)
+    return fail(fit.error().within(display_path_));
+  scene_.warnings = warnings_.messages();
+  return std::move(scene_);
+}
+
+}  // namespace tessera::core

@@ -1,0 +1,453 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "core/image/srgb.hpp"
+#include "core/scene/loader/gunzip.hpp"
+#include "core/scene/loader/mesh_file.hpp"
+#include "core/scene/loader/obj_reader.hpp"
+#include "core/scene/loader/ply_header.hpp"
+#include "core/scene/loader/ply_values.hpp"
+#include "core/scene/loader/polygon.hpp"
+#include "core/scene/loader/wording.hpp"
+
+namespace tessera::core {
+namespace {
+
+constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
+
+// Where a property of vertices goes.
+using StoreValue = void (*)(MeshDescription& mesh, std::size_t vertex, float value);
+
+enum class VertexData { kPosition, kNormal, kUv, kColor };
+
+struct KnownProperty {
+  std::string_view name;
+  VertexData data;
+  int component;
+  StoreValue store;
+};
+
+constexpr StoreValue kSetX = [](MeshDescription& m, std::size_t i, float v) { m.positions[i].x = v; };
+constexpr StoreValue kSetY = [](MeshDescription& m, std::size_t i, float v) { m.positions[i].y = v; };
+constexpr StoreValue kSetZ = [](MeshDescription& m, std::size_t i, float v) { m.positions[i].z = v; };
+constexpr StoreValue kSetNormalX = [](MeshDescription& m, std::size_t i, float v) { m.normals[i].x = v; };
+constexpr StoreValue kSetNormalY = [](MeshDescription& m, std::size_t i, float v) { m.normals[i].y = v; };
+constexpr StoreValue kSetNormalZ = [](MeshDescription& m, std::size_t i, float v) { m.normals[i].z = v; };
+constexpr StoreValue kSetU = [](MeshDescription& m, std::size_t i, float v) { m.uvs[i].x = v; };
+constexpr StoreValue kSetV = [](MeshDescription& m, std::size_t i, float v) { m.uvs[i].y = v; };
+constexpr StoreValue kSetRed = [](MeshDescription& m, std::size_t i, float v) { m.colors[i].r = v; };
+constexpr StoreValue kSetGreen = [](MeshDescription& m, std::size_t i, float v) { m.colors[i].g = v; };
+constexpr StoreValue kSetBlue = [](MeshDescription& m, std::size_t i, float v) { m.colors[i].b = v; };
+
+constexpr std::array<KnownProperty, 23> kKnownProperties{{
+    {"x", VertexData::kPosition, 0, kSetX},
+    {"y", VertexData::kPosition, 1, kSetY},
+    {"z", VertexData::kPosition, 2, kSetZ},
+    {"nx", VertexData::kNormal, 0, kSetNormalX},
+    {"ny", VertexData::kNormal, 1, kSetNormalY},
+    {"nz", VertexData::kNormal, 2, kSetNormalZ},
+    {"u", VertexData::kUv, 0, kSetU},
+    {"v", VertexData::kUv, 1, kSetV},
+    {"s", VertexData::kUv, 0, kSetU},
+    {"t", VertexData::kUv, 1, kSetV},
+    {"texture_u", VertexData::kUv, 0, kSetU},
+    {"texture_v", VertexData::kUv, 1, kSetV},
+    {"texture_s", VertexData::kUv, 0, kSetU},
+    {"texture_t", VertexData::kUv, 1, kSetV},
+    {"red", VertexData::kColor, 0, kSetRed},
+    {"green", VertexData::kColor, 1, kSetGreen},
+    {"blue", VertexData::kColor, 2, kSetBlue},
+    {"r", VertexData::kColor, 0, kSetRed},
+    {"g", VertexData::kColor, 1, kSetGreen},
+    {"b", VertexData::kColor, 2, kSetBlue},
+    {"diffuse_red", VertexData::kColor, 0, kSetRed},
+    {"diffuse_green", VertexData::kColor, 1, kSetGreen},
+    {"diffuse_blue", VertexData::kColor, 2, kSetBlue},
+}};
+
+const KnownProperty* known_property(const PlyProperty& property) {
+  const auto found = std::ranges::find(kKnownProperties, property.name, &KnownProperty::name);
+  return property.is_list || found == kKnownProperties.end() ? nullptr : &*found;
+}
+
+// Whether the element has all components of the data.
+bool has_data(const PlyElement& element, VertexData data) {
+  const int components = data == VertexData::kUv ? 2 : 3;
+  for (int component = 0; component < components; ++component)
+    if (std::ranges::none_of(element.properties, [&](const PlyProperty& property) {
+          const KnownProperty* known = known_property(property);
+          return known != nullptr && known->data == data && known->component == component;
+        }))
+      return false;
+  return true;
+}
+
+bool is_index_list(const PlyProperty& property) {
+  return property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index");
+}
+
+// What is done with a property: it is stored in the mesh, kept as an attribute, or skipped.
+struct PlyColumn {
+  PlyProperty property;
+  StoreValue store = nullptr;
+  std::optional<std::size_t> attribute{};
+};
+
+class PlyReader {
+ public:
+  PlyReader(const PlyHeader& header, std::string_view body, const SceneLimit& limit,
+            MeshAttributes attributes)
+      : header_(header), values_(body, header.encoding), limit_(limit), attributes_(attributes) {}
+
+  Result<MeshFile> read();
+
+ private:
+  Status read_element(const PlyElement& element);
+  Status read_vertices(const PlyElement& element);
+  std::vector<PlyColumn> vertex_columns(const PlyElement& element);
+  void read_columns(const std::vector<PlyColumn>& columns, std::size_t rows, std::size_t row_bytes);
+  void read_row(const std::vector<PlyColumn>& columns, std::size_t row);
+  void settle_colors(const PlyElement& element);
+
+  Status read_faces(const PlyElement& element);
+  // The scalars of the row, and the corners of its face.
+  void read_face(const PlyElement& element);
+  Status add_face();
+  Status add_polygon();
+  Status add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+  void add_triangle_attributes(const PlyElement& element, std::size_t triangles_before);
+  Status read_strips(const PlyElement& element);
+  Status add_strip();
+  void read_corners(const PlyProperty& property);
+
+  void skip_rows(const PlyElement& element);
+  void skip_property(const PlyProperty& property);
+  // Adds an attribute, or tells that the property is not used.
+  std::optional<std::size_t> settle_attribute(const PlyElement& element, const PlyProperty& property,
+                                              bool of_triangles);
+  std::uint32_t vertex_index(std::int64_t written) const {
+    return written < 0 || written >= kNoVertex ? kNoVertex : static_cast<std::uint32_t>(written);
+  }
+  Status check_rows(const PlyElement& element) const;
+  static tl::unexpected<Error> broken(std::string_view what) {
+    return fail(ErrorCode::kInvalidArgument, fmt::format("is a broken PLY file ({})", what));
+  }
+  template <typename Text>
+  void warn(std::string_view kind, const Text& text, std::uint64_t count = 1,
+            std::string_view unit = "times") {
+    file_.warnings.add(kind, 0, text, count, unit);
+  }
+
+  const PlyHeader& header_;
+  PlyValues values_;
+  const SceneLimit& limit_;
+  MeshAttributes attributes_;
+  MeshFile file_;
+  bool has_vertices_ = false, has_materials_ = false;
+  // Of one face; kept to reuse their memory.
+  std::vector<std::uint32_t> corners_;
+  std::vector<float> row_;  // one for each property
+  std::vector<Vec3> outline_;
+  std::vector<std::array<std::uint32_t, 3>> polygon_;
+  std::vector<std::optional<std::size_t>> face_attributes_;  // one for each property of the faces
+};
+
+Result<MeshFile> PlyReader::read() {
+  for (const PlyElement& element : header_.elements) {
+    if (auto done = read_element(element); !done) return fail(done.error());
+    if (values_.failed())
+      return broken(
+          values_.is_binary() || values_.bytes_left() == 0
+              ? fmt::format("it ends among the rows of {}", in_quotes(element.name))
+              : fmt::format("a row of {} has something else than numbers", in_quotes(element.name)));
+  }
+  if (!has_vertices_) return broken("it has no element 'vertex'");
+  if (file_.mesh.triangles.empty())
+    return fail(ErrorCode::kInvalidArgument, "has no faces; clouds of points cannot be rendered");
+  file_.mesh.triangle_materials.resize(has_materials_ ? file_.mesh.triangles.size() : 1);
+  return std::move(file_);
+}
+
+Status PlyReader::read_element(const PlyElement& element) {
+  if (element.properties.empty()) return {};
+  if (auto fits = check_rows(element); !fits) return fits;
+  if (element.name == "vertex") return read_vertices(element);
+  const bool has_indices = std::ranges::any_of(element.properties, is_index_list);
+  if ((element.name == "face" || element.name == "tristrips") && has_indices && !has_vertices_)
+    return broken("its faces stand before its vertices");
+  if (element.name == "face" && has_indices) return read_faces(element);
+  if (element.name == "tristrips" && has_indices) return read_strips(element);
+  if (element.count > 0)
+    warn(element.name, [&] { return fmt::format("the element {} is not used", in_quotes(element.name)); });
+  skip_rows(element);
+  return {};
+}
+
+// Before memory is taken for the rows.
+Status PlyReader::check_rows(const PlyElement& element) const {
+  if (values_.may_follow(element.count,
+                         values_.is_binary() ? element.row_bytes() : element.properties.size()))
+    return {};
+  return broken(fmt::format("it is too short for the {} rows of {}", element.count, in_quotes(element.name)));
+}
+
+std::optional<std::size_t> PlyReader::settle_attribute(const PlyElement& element, const PlyProperty& property,
+                                                       bool of_triangles) {
+  constexpr std::size_t kMaxAttributes = 48;  // they take memory for each triangle
+  if (property.is_list || attributes_ == MeshAttributes::kIgnore ||
+      file_.attributes.size() >= kMaxAttributes) {
+    warn(element.name + "." + property.name, [&] {
+      return fmt::format("the property {} of {} is not used", in_quotes(property.name),
+                         in_quotes(element.name));
+    });
+    return std::nullopt;
+  }
+  file_.attributes.push_back({property.name, of_triangles, {}});
+  return file_.attributes.size() - 1;
+}
+
+std::vector<PlyColumn> PlyReader::vertex_columns(const PlyElement& element) {
+  std::vector<PlyColumn> columns;
+  for (const PlyProperty& property : element.properties) {
+    PlyColumn column{property};
+    const KnownProperty* known = known_property(property);
+    if (known != nullptr && has_data(element, known->data)) {
+      column.store = known->store;
+    } else {
+      column.attribute = settle_attribute(element, property, false);
+      if (column.attribute) file_.attributes[*column.attribute].values.resize(element.count);
+    }
+    columns.push_back(std::move(column));
+  }
+  return columns;
+}
+
+Status PlyReader::read_vertices(const PlyElement& element) {
+  if (has_vertices_) return broken("it has two elements 'vertex'");
+  if (!has_data(element, VertexData::kPosition)) return broken("its vertices have no x, y and z");
+  has_vertices_ = true;
+  MeshDescription& mesh = file_.mesh;
+  mesh.positions.resize(element.count);
+  if (has_data(element, VertexData::kNormal)) mesh.normals.resize(element.count);
+  if (has_data(element, VertexData::kUv)) mesh.uvs.resize(element.count);
+  if (has_data(element, VertexData::kColor)) mesh.colors.resize(element.count);
+  const std::vector<PlyColumn> columns = vertex_columns(element);
+  if (values_.is_binary() && !element.has_lists()) {
+    read_columns(columns, element.count, element.row_bytes());
+  } else {
+    for (std::size_t row = 0; row < element.count && !values_.failed(); ++row) read_row(columns, row);
+  }
+  if (!mesh.colors.empty()) settle_colors(element);
+  return {};
+}
+
+void PlyReader::read_columns(const std::vector<PlyColumn>& columns, std::size_t rows, std::size_t row_bytes) {
+  const char* first = values_.take(rows * row_bytes);
+  if (first == nullptr) return;
+  const bool swapped = values_.is_swapped();
+  for (const PlyColumn& column : columns) {
+    with_ply_type(column.property.type, [&](auto sample) {
+      using T = decltype(sample);
+      const char* bytes = first;
+      for (std::size_t row = 0; row < rows; ++row, bytes += row_bytes) {
+        const float value = ply_float(load_ply_value<T>(bytes, swapped));
+        if (column.store != nullptr)
+          column.store(file_.mesh, row, value);
+        else if (column.attribute)
+          file_.attributes[*column.attribute].values[row] = value;
+      }
+    });
+    first += size_of(column.property.type);
+  }
+}
+
+void PlyReader::read_row(const std::vector<PlyColumn>& columns, std::size_t row) {
+  for (const PlyColumn& column : columns) {
+    if (column.store != nullptr)
+      column.store(file_.mesh, row, values_.next_float(column.property.type));
+    else if (column.attribute)
+      file_.attributes[*column.attribute].values[row] = values_.next_float(column.property.type);
+    else
+      skip_property(column.property);
+  }
+}
+
+void PlyReader::settle_colors(const PlyElement& element) {
+  const auto found = std::ranges::find_if(element.properties, [](const PlyProperty& property) {
+    const KnownProperty* known = known_property(property);
+    return known != nullptr && known->data == VertexData::kColor;
+  });
+  if (is_floating_point(found->type)) return;
+  const double most = size_of(found->type) == 1 ? 255 : size_of(found->type) == 2 ? 65535 : 4294967295.0;
+  const auto linear = [&](float code) { return srgb_decode(std::clamp(code / most, 0.0, 1.0)); };
+  for (Rgb& color : file_.mesh.colors) color = {linear(color.r), linear(color.g), linear(color.b)};
+}
+
+void PlyReader::skip_property(const PlyProperty& property) {
+  const std::int64_t count = property.is_list ? values_.next_integer(property.count_type) : 1;
+  if (count > 0) values_.skip(property.type, static_cast<std::uint64_t>(count));
+}
+
+void PlyReader::skip_rows(const PlyElement& element) {
+  for (std::uint64_t row = 0; row < element.count && !values_.failed(); ++row)
+    for (const PlyProperty& property : element.properties) skip_property(property);
+}
+
+void PlyReader::read_corners(const PlyProperty& property) {
+  corners_.clear();
+  const std::int64_t count = values_.next_integer(property.count_type);
+  if (count <= 0) return;
+  const std::size_t value_size = values_.is_binary() ? size_of(property.type) : 1;
+  if (!values_.may_follow(static_cast<std::uint64_t>(count), value_size)) {
+    values_.skip(property.type, static_cast<std::uint64_t>(count));  // fails
+    return;
+  }
+  for (std::int64_t i = 0; i < count; ++i)
+    corners_.push_back(vertex_index(values_.next_integer(property.type)));
+}
+
+Status PlyReader::read_faces(const PlyElement& element) {
+  file_.mesh.triangles.reserve(std::min<std::uint64_t>(element.count, limit_.most));
+  row_.resize(element.properties.size());
+  face_attributes_.clear();
+  for (const PlyProperty& property : element.properties) {
+    const bool is_material = property.name == "material_index" && !property.is_list;
+    has_materials_ = has_materials_ || is_material;
+    face_attributes_.push_back(
+        is_material || is_index_list(property) ? std::nullopt : settle_attribute(element, property, true));
+  }
+  for (std::uint64_t row = 0; row < element.count && !values_.failed(); ++row) {
+    const std::size_t before = file_.mesh.triangles.size();
+    read_face(element);
+    if (auto added = add_face(); !added) return added;
+    add_triangle_attributes(element, before);
+  }
+  return {};
+}
+
+void PlyReader::read_face(const PlyElement& element) {
+  for (std::size_t i = 0; i < element.properties.size(); ++i) {
+    const PlyProperty& property = element.properties[i];
+    if (is_index_list(property))
+      read_corners(property);
+    else if (property.is_list)
+      skip_property(property);
+    else
+      row_[i] = values_.next_float(property.type);
+  }
+}
+
+Status PlyReader::add_face() {
+  if (corners_.size() == 3) return add_triangle(corners_[0], corners_[1], corners_[2]);
+  if (corners_.size() > 3) return add_polygon();
+  warn(
+      "corners", [] { return "faces with fewer than 3 corners are left out"; }, 1, "faces");
+  return {};
+}
+
+Status PlyReader::add_polygon() {
+  outline_.clear();
+  for (const std::uint32_t corner : corners_) {
+    if (corner >= file_.mesh.positions.size()) break;
+    outline_.push_back(file_.mesh.positions[corner]);
+  }
+  polygon_.clear();
+  if (outline_.size() < corners_.size() || !triangulate(outline_, polygon_)) {
+    warn(
+        "polygon",
+        [] { return "faces that name a vertex that is not there, or have too many corners, are left out"; },
+        1, "faces");
+    return {};
+  }
+  for (const auto& [a, b, c] : polygon_)
+    if (auto added = add_triangle(corners_[a], corners_[b], corners_[c]); !added) return added;
+  return {};
+}
+
+Status PlyReader::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  if (file_.mesh.triangles.size() >= std::min<std::uint64_t>(limit_.most, kMaxObjTriangles))
+    return fail(ErrorCode::kResourceExhausted,
+                fmt::format("has more than the {} triangles that a scene may have here{}",
+                            std::min<std::uint64_t>(limit_.most, kMaxObjTriangles),
+                            limit_.option.empty() ? "" : fmt::format(" ({})", limit_.option)));
+  file_.mesh.triangles.push_back({a, b, c});
+  return {};
+}
+
+void PlyReader::add_triangle_attributes(const PlyElement& element, std::size_t triangles_before) {
+  const std::size_t more = file_.mesh.triangles.size() - triangles_before;
+  for (std::size_t i = 0; i < element.properties.size(); ++i) {
+    if (face_attributes_[i]) {
+      auto& values = file_.attributes[*face_attributes_[i]].values;
+      values.insert(values.end(), more, row_[i]);
+    } else if (element.properties[i].name == "material_index" && !element.properties[i].is_list) {
+      constexpr float kMost = 1 << 24;
+      const float index = row_[i] >= 0 && row_[i] < kMost ? row_[i] : kMost;
+      file_.mesh.triangle_materials.insert(file_.mesh.triangle_materials.end(), more,
+                                           static_cast<std::uint32_t>(index));
+    }
+  }
+}
+
+Status PlyReader::read_strips(const PlyElement& element) {
+  for (std::uint64_t row = 0; row < element.count && !values_.failed(); ++row) {
+    for (const PlyProperty& property : element.properties) {
+      if (is_index_list(property))
+        read_corners(property);
+      else
+        skip_property(property);
+    }
+    if (auto added = add_strip(); !added) return added;
+  }
+  return {};
+}
+
+// A negative index begins another strip. Every second triangle is turned around.
+Status PlyReader::add_strip() {
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    if (corners_[i] == kNoVertex) {
+      begin = i + 1;
+    } else if (i >= begin + 2) {
+      const bool is_turned = (i - begin) % 2 != 0;
+      const auto added =
+          add_triangle(corners_[is_turned ? i - 1 : i - 2], corners_[is_turned ? i - 2 : i - 1], corners_[i]);
+      if (!added) return added;
+    }
+  }
+  return {};
+}
+
+Result<MeshFile> read_plain_ply(std::string_view bytes, const SceneLimit& triangles,
+                                MeshAttributes attributes) {
+  const auto header = read_ply_header(bytes);
+  if (!header) return fail(header.error());
+  return PlyReader(*header, bytes.substr(header->size), triangles, attributes).read();
+}
+
+}  // namespace
+
+Result<MeshFile> read_ply(std::string_view bytes, const std::string& name, const SceneLimit& triangles,
+                          MeshAttributes attributes) {
+  const auto named = [&name](const Error& error) {
+    return fail(error.code, fmt::format("{} {}", in_quotes(name), error.message));
+  };
+  std::string content;
+  if (is_gzip(bytes)) {
+    auto decompressed = gunzip(bytes);
+    if (!decompressed) return named(decompressed.error());
+    content = std::move(*decompressed);
+    bytes = content;
+  }
+  auto file = read_plain_ply(bytes, triangles, attributes);
+  if (!file) return named(file.error());
+  return file;
+}
+
+}  // namespace tessera::core

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads grids and media of a scene file.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/scene/loader/scene_file.hpp"
+#include "core/scene/loader/wording.hpp"
+
+namespace tessera::core {
+namespace {
+
+constexpr Bounds kAsymmetry{
+    [](double v) { return v > -1 && v < 1 && static_cast<float>(v) > -1 && static_cast<float>(v) < 1; },
+    "greater than -1 and less than 1"};
+
+// The index of the named entry; -1 after a mistake.
+template <typename Entry>
+int index_of_name(const Field& field, const std::vector<Entry>& entries, std::string_view kind) {
+  const std::string name = read_text(field);
+  const auto found =
+      std::find_if(entries.begin(), entries.end(), [&](const auto& e) { return e.name == name; });
+  if (found != entries.end()) return static_cast<int>(found - entries.begin());
+  std::vector<std::string_view> known;
+  for (const auto& entry : entries) known.push_back(entry.name);
+  if (!name.empty())
+    field.mistake(fmt::format("there is no {} {}{}", kind, in_quotes(name), suggestion(name, known)));
+  return -1;
+}
+
+int read_grid_name(const Field& field, const std::vector<GridEntry>& grids) {
+  return index_of_name(field, grids, "grid");
+}
+
+Transform read_grid_transform(const Field& field) {
+  const TransformEntry entry = read_transform(field);
+  if (!entry.motion.empty()) field.mistake("the transform of a medium's grids cannot be animated");
+  return entry.transform;
+}
+
+MediumDescription read_medium(const Field& field, const std::string& name,
+                              const std::vector<GridEntry>& grids) {
+  const ObjectReader object(field, scene_keys::kMedium);
+  MediumDescription medium;
+  medium.name = name;
+  medium.sigma_a = read_or(object, "sigma_a", medium.sigma_a, read_color, bounds::kNotNegative);
+  medium.sigma_s = read_or(object, "sigma_s", medium.sigma_s, read_color, bounds::kNotNegative);
+  medium.scale = read_or(object, "scale", medium.scale, read_float, bounds::kNotNegative);
+  medium.g = read_or(object, "g", medium.g, read_float, kAsymmetry);
+  medium.emission = read_or(object, "emission", medium.emission, read_color, bounds::kNotNegative);
+  medium.absorption_grid = read_or(object, "absorption_grid", medium.absorption_grid, read_grid_name, grids);
+  medium.scattering_grid = read_or(object, "scattering_grid", medium.scattering_grid, read_grid_name, grids);
+  medium.emission_grid = read_or(object, "emission_grid", medium.emission_grid, read_grid_name, grids);
+  const auto transform = object.find("transform");
+  if (transform) medium.grid_to_world = read_grid_transform(*transform);
+  const bool names_grid =
+      object.find("absorption_grid") || object.find("scattering_grid") || object.find("emission_grid");
+  if (transform && !names_grid)
+    transform->mistake("a medium without grids has no place of its own; leave this out");
+  return medium;
+}
+
+}  // namespace
+
+std::vector<GridEntry> read_grids(const Field& field) {
+  std::vector<GridEntry> grids;
+  for (const auto& [name, entry] : read_named(field)) {
+    const ObjectReader object(entry, scene_keys::kGrid);
+    GridEntry grid;
+    grid.name = name;
+    if (const auto file = object.find("file")) {
+      grid.file = read_text(*file);
+      grid.file_place = file->place();
+    }
+    grid.filter = read_or(object, "filter", grid.filter, read_choice,
+                          std::span<const std::string_view>(scene_keys::kGridFilters));
+    grid.border = read_or(object, "border", grid.border, read_choice,
+                          std::span<const std::string_view>(scene_keys::kGridBorders));
+    grids.push_back(std::move(grid));
+  }
+  return grids;
+}
+
+std::vector<MediumDescription> read_media(const Field& field, const std::vector<GridEntry>& grids) {
+  std::vector<MediumDescription> media;
+  for (const auto& [name, entry] : read_named(field)) media.push_back(read_medium(entry, name, grids));
+  return media;
+}
+
+int read_medium_name(const Field& field, const std::vector<MediumDescription>& media) {
+  return index_of_name(field, media, "medium");
+}
+
+}  // namespace tessera::core

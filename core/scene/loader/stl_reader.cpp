@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <utility>
+
+#include "core/scene/loader/mesh_file.hpp"
+#include "core/scene/loader/obj_reader.hpp"
+#include "core/scene/loader/ply_values.hpp"
+#include "core/scene/loader/text_lines.hpp"
+#include "core/scene/loader/wording.hpp"
+
+namespace tessera::core {
+namespace {
+
+constexpr std::size_t kStlHeaderBytes = 84, kStlTriangleBytes = 50;
+constexpr bool kStlIsSwapped = std::endian::native == std::endian::big;
+
+std::uint64_t stl_triangle_count(std::string_view bytes) {
+  return bytes.size() < kStlHeaderBytes ? 0 : load_ply_value<std::uint32_t>(bytes.data() + 80, kStlIsSwapped);
+}
+
+// A binary file may begin with "solid" as a text does, but then has the size that its count says.
+bool is_binary_stl(std::string_view bytes) {
+  const std::uint64_t size = kStlHeaderBytes + kStlTriangleBytes * stl_triangle_count(bytes);
+  if (bytes.size() >= kStlHeaderBytes && size == bytes.size()) return true;
+  return !bytes.starts_with("solid");
+}
+
+// Gives equal positions the same number, by open addressing. `expected` bounds their number.
+class PositionIndex {
+ public:
+  PositionIndex(std::vector<Vec3>& positions, std::size_t expected)
+      : positions_(positions), slots_(std::bit_ceil(2 * expected + 2), kEmpty) {}
+
+  std::uint32_t number(Vec3 p) {
+    const Vec3 key{p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};  // no negative zeros
+    for (std::size_t i = hash(key) & (slots_.size() - 1);; i = (i + 1) & (slots_.size() - 1)) {
+      if (slots_[i] == kEmpty) {
+        slots_[i] = static_cast<std::uint32_t>(positions_.size());
+        positions_.push_back(key);
+        return slots_[i];
+      }
+      if (equal(positions_[slots_[i]], key)) return slots_[i];
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kEmpty = 0xffffffffu;
+
+  // By bits, so that values that are not numbers equal themselves.
+  static std::array<std::uint32_t, 3> bits(Vec3 p) {
+    return {std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
+            std::bit_cast<std::uint32_t>(p.z)};
+  }
+  static bool equal(Vec3 a, Vec3 b) { return bits(a) == bits(b); }
+  static std::size_t hash(Vec3 p) {
+    const auto [x, y, z] = bits(p);
+    std::uint64_t h = (x | std::uint64_t{y} << 32) * 0x9e3779b97f4a7c15u;
+    h = (h ^ h >> 32 ^ z) * 0xd6e8feb86659fd93u;
+    return h ^ h >> 32;
+  }
+
+  std::vector<Vec3>& positions_;
+  std::vector<std::uint32_t> slots_;
+};
+
+Status check_stl_count(std::uint64_t count, const SceneLimit& limit) {
+  const std::uint64_t most = std::min<std::uint64_t>(limit.most, kMaxObjTriangles);
+  if (count <= most) return {};
+  return fail(ErrorCode::kResourceExhausted,
+              fmt::format("has more than the {} triangles that a scene may have here{}", most,
+                          limit.option.empty() ? "" : fmt::format(" ({})", limit.option)));
+}
+
+Result<MeshFile> read_binary_stl(std::string_view bytes, const SceneLimit& limit) {
+  const std::uint64_t count = stl_triangle_count(bytes);
+  if (bytes.size() < kStlHeaderBytes || count > (bytes.size() - kStlHeaderBytes) / kStlTriangleBytes)
+    return fail(ErrorCode::kInvalidArgument, "is a broken STL file (it ends too early)");
+  if (auto fits = check_stl_count(count, limit); !fits) return fail(fits.error());
+  MeshFile file;
+  file.mesh.triangles.reserve(count);
+  file.mesh.positions.reserve(count / 2);
+  PositionIndex index(file.mesh.positions, 3 * count);
+  const char* at = bytes.data() + kStlHeaderBytes;
+  for (std::uint64_t i = 0; i < count; ++i, at += kStlTriangleBytes) {
+    const auto corner = [&](std::size_t k) {
+      const auto value = [&](std::size_t axis) {
+        return load_ply_value<float>(at + 12 * (k + 1) + 4 * axis, kStlIsSwapped);
+      };
+      return index.number({value(0), value(1), value(2)});
+    };
+    const std::uint32_t a = corner(0), b = corner(1);
+    file.mesh.triangles.push_back({a, b, corner(2)});
+  }
+  return file;
+}
+
+// Reads "vertex X Y Z" lines; three between "outer loop" and "endloop" are a triangle.
+Result<MeshFile> read_text_stl(std::string_view bytes, const SceneLimit& limit) {
+  constexpr std::size_t kShortestVertex = std::string_view("vertex 0 0 0").size();
+  MeshFile file;
+  PositionIndex index(file.mesh.positions, bytes.size() / kShortestVertex);
+  std::vector<std::uint32_t> loop;
+  std::string_view rest = bytes;
+  for (int number = 1; !rest.empty(); ++number) {
+    std::string_view line = take_line(rest);
+    const std::string_view keyword = take_word(line);
+    if (keyword == "outer") loop.clear();
+    if (keyword == "vertex") {
+      std::array<float, 3> p{};
+      if (read_numbers(line, p).count != 3)
+        return fail(ErrorCode::kInvalidArgument,
+                    fmt::format("is a broken STL file (line {}: 'vertex' needs three numbers)", number));
+      if (loop.size() < 4) loop.push_back(index.number({p[0], p[1], p[2]}));
+    }
+    if (keyword != "endloop") continue;
+    if (loop.size() != 3)
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("is a broken STL file (line {}: a loop needs three vertices)", number));
+    if (auto fits = check_stl_count(file.mesh.triangles.size() + 1, limit); !fits) return fail(fits.error());
+    file.mesh.triangles.push_back({loop[0], loop[1], loop[2]});
+    loop.clear();
+  }
+  return file;
+}
+
+}  // namespace
+
+Result<MeshFile> read_stl(std::string_view bytes, const std::string& name, const SceneLimit& triangles) {
+  auto file = is_binary_stl(bytes) ? read_binary_stl(bytes, triangles) : read_text_stl(bytes, triangles);
+  if (!file) return fail(file.error().code, fmt::format("{} {}", in_quotes(name), file.error().message));
+  if (file->mesh.triangles.empty())
+    return fail(ErrorCode::kInvalidArgument, in_quotes(name) + " has no triangles");
+  file->mesh.triangle_materials = {0};
+  return file;
+}
+
+}  // namespace tessera::core
