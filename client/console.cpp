@@ -51,6 +51,11 @@ void warn_about_darkness(std::string_view scene_path) {
   print_warning(fmt::format("'{}' has no light: the image will be black", scene_path));
 }
 
+void warn_about_ignored_media(std::string_view scene_path) {
+  print_warning(
+      fmt::format("'{}' has participating media, which the integrator whitted ignores", scene_path));
+}
+
 void print_hint(std::string_view command) {
   write(stderr, fmt::format("Try: {}\n", core::printable(command)));
 }

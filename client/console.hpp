@@ -41,6 +41,9 @@ void print_warnings(const std::vector<std::string>& messages);
 // Warns that the scene at `path` has no light and its image will be black.
 void warn_about_darkness(std::string_view scene_path);
 
+// Warns that the integrator ignores the participating media of the scene at `path`.
+void warn_about_ignored_media(std::string_view scene_path);
+
 // Prints "Try: COMMAND".
 void print_hint(std::string_view command);
 

@@ -165,7 +165,9 @@ int render_frames(const RenderOptions& options, const std::vector<std::int32_t>&
     if (Status status = check_paths(of_frame); !status) return print_error(status.error());
     if (Status shown = loaded.scene.set_frame(frames[i], options.threads); !shown)
       return print_error(shown.error().within(options.scene.scene_path));
-    if (i == 0 && loaded.scene.lights().empty()) warn_about_darkness(options.scene.scene_path);
+    if (i == 0 && !loaded.scene.gives_light()) warn_about_darkness(options.scene.scene_path);
+    if (i == 0 && loaded.scene.has_media() && loaded.stats.settings.integrator == core::Integrator::kWhitted)
+      warn_about_ignored_media(options.scene.scene_path);
     if (options.sample) return print_sample(loaded.scene, loaded.stats.settings, *options.sample);
     loaded.digest = core::digest_at_frame(digest, loaded.scene.animation(), frames[i]);
     if (const int status = render_to_files(of_frame, loaded); status != kExitOk) return status;

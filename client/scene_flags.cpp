@@ -100,8 +100,11 @@ core::ToneCurve parse_tone_curve(const std::string& text) {
 
 void add_scene_argument(CLI::App& command, SceneFlags& flags) {
   command
-      .add_option("SCENE", flags.scene_path,
-                  "Scene file (JSON), or the name of an example scene such as cornell")
+      .add_option(
+          "SCENE", flags.scene_path,
+          "Scene file, or the name of an example scene such as cornell. Its ending chooses the format: "
+          ".json (Tessera's own), .gltf and .glb (glTF 2.0), .pbrt (pbrt-v4), .xml (Mitsuba 3), or a "
+          "mesh: .obj, .ply, .stl")
       ->required()
       ->transform(find_scene);
 }

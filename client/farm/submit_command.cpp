@@ -131,6 +131,7 @@ int run_submit(const SubmitOptions& options) {
   if (!fits) return print_error(fits.error());
   print_warnings(local->warnings);
   if (!local->gives_light) warn_about_darkness(options.scene.scene_path);
+  if (local->ignores_media) warn_about_ignored_media(options.scene.scene_path);
 
   FarmOptions farm_options = options.farm;
   // A client that waits for the image also waits for a coordinator that restarts.

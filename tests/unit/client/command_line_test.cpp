@@ -343,5 +343,56 @@ TEST_F(CommandLine, AWindowOutsideThePictureIsRefused) {
   EXPECT_THAT(names(), UnorderedElementsAre("scene.json"));
 }
 
+constexpr const char* kPlyTriangle =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0.3\n3 0 1 2\n";
+
+TEST_F(CommandLine, ImportedSceneRendersToTheSameBytes) {
+  write("mesh.ply", kPlyTriangle);
+  const auto imported = run_tessera({"import", path("mesh.ply"), "-o", path("out.json")});
+  ASSERT_EQ(imported.exit_status, 0) << imported.err;
+  EXPECT_EQ(imported.out, "");
+  for (const std::string name : {"mesh.ply", "out.json"}) {
+    const auto rendered =
+        run_tessera({"render", path(name), "-o", path(name + ".pfm"), "--spp", "1", "--size", "16x12", "-q"});
+    ASSERT_EQ(rendered.exit_status, 0) << rendered.err;
+  }
+  EXPECT_EQ(read("mesh.ply.pfm"), read("out.json.pfm"));
+  EXPECT_NE(read("out.json.pfm"), "");
+}
+
+TEST_F(CommandLine, ImportReportsWhatIsApproximated) {
+  std::string ply = kPlyTriangle;
+  ply.insert(ply.find("element face"), "property float heat\n");
+  ply.replace(ply.find("0 0 0\n1 0 0\n0 1 0.3\n"), 20, "0 0 0 1\n1 0 0 1\n0 1 0.3 1\n");
+  write("mesh.ply", ply);
+  const auto report = run_tessera({"import", path("mesh.ply"), "--report"});
+  EXPECT_EQ(report.exit_status, 0) << report.err;
+  EXPECT_THAT(report.out, HasSubstr("mesh.ply: the property 'heat' of 'vertex' is not used"));
+  EXPECT_EQ(run_tessera({"import", path("mesh.ply")}).exit_status, 2);
+  EXPECT_EQ(run_tessera({"import", path("mesh.ply"), "-o", path("out.gltf")}).exit_status, 2);
+}
+
+TEST_F(CommandLine, InfoTellsWhatIsInAScene) {
+  write("mesh.ply", kPlyTriangle);
+  const auto info = run_tessera({"info", path("mesh.ply"), "--json"});
+  ASSERT_EQ(info.exit_status, 0) << info.err;
+  const auto json = nlohmann::json::parse(info.out);
+  EXPECT_EQ(json["format"], "PLY");
+  EXPECT_EQ(json["triangles"], 1);
+  EXPECT_EQ(json["shapes"]["mesh"], 1);
+  EXPECT_EQ(json["files"][0]["path"], "mesh.ply");
+  EXPECT_EQ(json["missing"].size(), 0u);
+  EXPECT_THAT(run_tessera({"info", path("mesh.ply")}).out, HasSubstr("triangles   1 stored"));
+}
+
+TEST_F(CommandLine, InfoListsFilesThatAreMissing) {
+  write("lacking.json", R"({"camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]},
+  "materials": {"m": {"type": "lambert"}}, "shapes": [{"type": "mesh", "file": "gone.ply", "material": "m"}]})");
+  const auto info = run_tessera({"info", path("lacking.json")});
+  EXPECT_EQ(info.exit_status, 1);
+  EXPECT_THAT(info.out, HasSubstr("missing     gone.ply"));
+}
+
 }  // namespace
 }  // namespace tessera::client

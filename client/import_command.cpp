@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "client/commands.hpp"
+#include "client/console.hpp"
+#include "client/scene_flags.hpp"
+#include "core/base/printable.hpp"
+#include "core/image/file_io.hpp"
+#include "core/scene/cache/scene_digest.hpp"
+#include "core/scene/loader/loader.hpp"
+#include "core/scene/writer/scene_writer.hpp"
+
+namespace tessera::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ImportOptions {
+  SceneFlags scene;
+  std::string output_path;
+  bool report = false;
+};
+
+core::Status write_one(const fs::path& folder, const std::string& name, std::string_view bytes) {
+  const fs::path path = folder / name;
+  std::error_code error;
+  fs::create_directories(path.parent_path().empty() ? fs::path(".") : path.parent_path(), error);
+  if (error)
+    return core::fail(core::ErrorCode::kUnavailable,
+                      fmt::format("{}: {}", path.parent_path().string(), error.message()));
+  return core::write_file_atomically(path.string(), bytes);
+}
+
+// Names are no part of what is rendered.
+core::SceneDigest digest_without_names(core::SceneDescription& scene) {
+  for (core::Material& material : scene.materials) material.name.clear();
+  for (core::MediumDescription& medium : scene.media) medium.name.clear();
+  for (core::ObjectDescription& object : scene.objects) {
+    object.name.clear();
+    object.shape_names.clear();
+  }
+  return core::digest_of(scene);
+}
+
+// What differs between the scenes; empty if they render alike.
+std::string part_that_differs(const core::SceneDigest& a, const core::SceneDigest& b) {
+  if (a.camera != b.camera) return "the camera";
+  if (a.textures != b.textures) return "a texture";
+  if (a.materials != b.materials) return "a material or a medium";
+  if (a.shapes != b.shapes) return "a shape";
+  if (a.lights != b.lights) return "a light";
+  return a.environment == b.environment ? "" : "the environment";
+}
+
+core::Status write_and_compare(core::SceneDescription scene, const std::string& output_path) {
+  const fs::path output(output_path);
+  const auto write = [&output](const std::string& name, std::string_view bytes) {
+    return write_one(output.parent_path(), name, bytes);
+  };
+  if (auto written = core::write_scene(scene, output.stem().string(), write); !written) return written;
+  const core::RenderSettings settings = scene.settings;
+  const core::SceneDigest original = digest_without_names(scene);
+  scene = {};  // frees it
+  auto again = core::load_scene_file(output_path);
+  if (!again) return core::fail(again.error().within("the written scene cannot be read"));
+  const std::string differs = again->settings == settings
+                                  ? part_that_differs(original, digest_without_names(*again))
+                                  : "the render settings";
+  if (differs.empty()) return {};
+  return core::fail(
+      core::ErrorCode::kInternal,
+      fmt::format("{}: {} of the written scene differs from the original's", output_path, differs));
+}
+
+void print_report(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) print_result(core::printable(warning) + "\n");
+  if (warnings.empty()) print_result("everything in the file is read as it is\n");
+}
+
+int run_import(const ImportOptions& options) {
+  auto scene = core::load_scene_file(options.scene.scene_path, options.scene.parameters);
+  if (!scene) return print_error(scene.error());
+  if (options.report)
+    print_report(scene->warnings);
+  else
+    print_warnings(scene->warnings);
+  if (options.output_path.empty()) return kExitOk;
+  if (auto written = write_and_compare(std::move(*scene), options.output_path); !written)
+    return print_error(written.error());
+  return kExitOk;
+}
+
+}  // namespace
+
+void add_import_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand(
+      "import", "Convert a glTF, pbrt, Mitsuba or mesh file to a scene of Tessera's format");
+  const auto options = std::make_shared<ImportOptions>();
+  add_scene_argument(*command, options->scene);
+  command->add_option("-o,--output", options->output_path, "Scene file to write, with the ending .json")
+      ->check([](const std::string& path) {
+        return fs::path(path).extension() == ".json" ? std::string() : "the ending must be .json";
+      })
+      ->type_name("FILE");
+  command->add_flag(
+      "--report", options->report,
+      "Print each parameter that is approximated or ignored, with file and line, and what is done "
+      "instead");
+  add_parameter_option(*command, options->scene.parameters);
+  cli::set_help(
+      *command,
+      {.notes =
+           R"(Writes the scene file, and its meshes and images into a folder beside it: scene.files for scene.json. The
+written scene is read again and compared with the original, so that both render to the same bytes.)",
+       .exit_statuses = kUsualExitStatuses,
+       .examples = {"tessera import model.glb -o scene.json", "tessera import room.pbrt --report",
+                    "tessera import room.xml -o room.json -D spp=256"}});
+  command->callback([options, &exit_code] {
+    if (options->output_path.empty() && !options->report) throw CLI::RequiredError("-o FILE or --report");
+    exit_code = run_import(*options);
+  });
+}
+
+}  // namespace tessera::client
