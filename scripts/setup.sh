@@ -15,6 +15,9 @@ build=(
   # What goes in: scene files, meshes, textures, options.
   nlohmann-json3-dev
   libtinyobjloader-dev
+  libdraco-dev
+  libmeshoptimizer-dev
+  libpugixml-dev
   libstb-dev
   libcli11-dev
   # Image files, read and written.
@@ -95,6 +98,8 @@ bench=(
   jq
   graphicsmagick
   fonts-dejavu-core
+  # bench/scenes: comparing images.
+  python3-numpy
 )
 
 # Any node from version 18 drives the browser, also one that is not Debian's.
