@@ -115,6 +115,139 @@ lights='"lights": [{"type": "spot", "position": [0, 4, 0], "look_at": [0, 0, 0],
 { grep -v environment "$work/box.json"; echo "$lights"; } | seed scene lights
 sed 's/"radius": 1,/"radius": -1, "radios": 2,/' "$work/box.json" | seed scene mistakes
 
+# ---- Mitsuba ----
+cat >"$work/a.ply" <<'EOF'
+ply
+format ascii 1.0
+element vertex 3
+property float x
+property float y
+property float z
+property float heat_0
+element face 1
+property list uchar int vertex_indices
+property float weight_0
+end_header
+0 0 0 0
+1 0 0 1
+0 1 0 0.5
+3 0 1 2 0.7
+EOF
+mitsuba() { { cat; for i in x.obj x.png a.ply; do part $i; cat "$work/$i"; done; } | seed mitsuba "$1"; }
+film='<film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="3"/></film>'
+mitsuba shapes <<EOF
+<scene version="3.0.0"><default name="r" value="0.5"/>
+<integrator type="volpath"><integer name="max_depth" value="4"/></integrator>
+<sensor type="thinlens"><float name="fov" value="40"/><float name="aperture_radius" value="0.1"/>
+<float name="focus_distance" value="3"/><transform name="to_world"><lookat origin="0,0,5" target="0,0,0" up="0,1,0"/>
+</transform>$film</sensor>
+<emitter type="envmap"><string name="filename" value="x.png"/></emitter>
+<emitter type="spot"/><emitter type="point"><spectrum name="intensity" value="400:1, 600:2"/></emitter>
+<bsdf type="twosided" id="b"><bsdf type="normalmap"><texture name="normalmap" type="bitmap">
+<string name="filename" value="x.png"/><transform name="to_uv"><rotate z="1" angle="30"/></transform></texture>
+<bsdf type="roughplastic"><float name="alpha" value="\$r"/></bsdf></bsdf></bsdf>
+<shape type="obj"><string name="filename" value="x.obj"/><ref id="b"/></shape>
+<shape type="sphere"><float name="radius" value="\$r"/><boolean name="flip_normals" value="true"/>
+<bsdf type="dielectric"/></shape>
+<shape type="shapegroup" id="g"><shape type="cube"/><shape type="disk"/></shape>
+<shape type="instance"><ref id="g"/><transform name="to_world"><scale x="-1" y="2"/></transform></shape>
+<shape type="cylinder"><bsdf type="null"/><medium name="interior" type="homogeneous"><phase type="hg"/></medium>
+</shape></scene>
+EOF
+mitsuba attributes <<EOF
+<scene version="0.6.0"><sensor type="orthographic">$film</sensor><emitter type="constant"/>
+<shape type="ply"><string name="filename" value="a.ply"/><bsdf type="blendbsdf">
+<texture name="weight" type="mesh_attribute"><string name="name" value="face_weight"/></texture>
+<bsdf type="principled"><float name="specTrans" value="0.5"/></bsdf>
+<bsdf type="roughconductor"><string name="material" value="Au"/><float name="alphaU" value="0.3"/></bsdf></bsdf></shape>
+<shape type="rectangle"><emitter type="area"/><bsdf type="mask"><texture name="opacity" type="checkerboard"/>
+<bsdf type="diffuse"/></bsdf></shape></scene>
+EOF
+
+# ---- glTF ----
+# Four corners, four texture coordinates, indices, two matrices, weights and joints.
+cat >"$work/b.b64" <<'EOF'
+AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAgD8AAAA/AAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA/AACA
+PwAAgD8AAAEAAgACAAEAAwAAAIA/AAAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAA
+AAAAAIA/AACAPwAAAAAAAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAAAAAACAPwAAgD8A
+AAAAAAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAPwAAAD8AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAQAAAAEAAAABAAAAAQAA
+AAAAAAAAgD8=
+EOF
+gltf() { { cat; part b.bin; base64 -d "$work/b.b64"; part x.png; cat "$work/x.png"; } | seed gltf "$1"; }
+gltf mesh <<'EOF'
+{"asset": {"version": "2.0"},
+ "buffers": [{"byteLength": 308, "uri": "b.bin"}],
+ "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 32}, {"buffer": 0, "byteOffset": 80, "byteLength": 12}, {"buffer": 0, "byteOffset": 92, "byteLength": 128}, {"buffer": 0, "byteOffset": 220, "byteLength": 64}, {"buffer": 0, "byteOffset": 284, "byteLength": 16}, {"buffer": 0, "byteOffset": 300, "byteLength": 8}],
+ "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 4}, {"bufferView": 1, "componentType": 5126, "type": "VEC2", "count": 4}, {"bufferView": 2, "componentType": 5123, "type": "SCALAR", "count": 6}, {"bufferView": 3, "componentType": 5126, "type": "MAT4", "count": 2}, {"bufferView": 4, "componentType": 5126, "type": "VEC4", "count": 4}, {"bufferView": 5, "componentType": 5121, "type": "VEC4", "count": 4}, {"bufferView": 6, "componentType": 5126, "type": "SCALAR", "count": 2}, {"componentType": 5126, "type": "VEC3", "count": 4, "sparse": {"count": 2, "indices": {"bufferView": 5, "componentType": 5121}, "values": {"bufferView": 0, "byteOffset": 12}}}],
+ "scene": 0,
+ "scenes": [{"nodes": [0, 1, 2]}],
+ "nodes": [{"mesh": 0, "children": [3], "rotation": [0, 0.3, 0, 0.9], "scale": [1, -2, 1]}, {"camera": 0, "translation": [0.5, 0.5, 3]}, {"extensions": {"KHR_lights_punctual": {"light": 0}}, "translation": [1, 2, 3]}, {"mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 2, 0, 0, 1], "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}}}],
+ "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "aspectRatio": 1.5, "znear": 0.1}}],
+ "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1, "NORMAL": 7}, "indices": 2, "material": 0}, {"attributes": {"POSITION": 7}, "mode": 5, "material": 1}]}],
+ "images": [{"uri": "x.png"}],
+ "samplers": [{"wrapS": 33648, "wrapT": 33071}],
+ "textures": [{"source": 0, "sampler": 0}],
+ "materials": [{"alphaMode": "MASK", "alphaCutoff": 0.3, "doubleSided": true, "normalTexture": {"index": 0, "texCoord": 0, "extensions": {"KHR_texture_transform": {"offset": [0.5, 0], "rotation": 0.3, "scale": [2, 1]}}}, "emissiveFactor": [1, 0.5, 0], "pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0.2, 0.9], "baseColorTexture": {"index": 0, "texCoord": 0, "extensions": {"KHR_texture_transform": {"offset": [0.5, 0], "rotation": 0.3, "scale": [2, 1]}}}, "metallicRoughnessTexture": {"index": 0, "texCoord": 0, "extensions": {"KHR_texture_transform": {"offset": [0.5, 0], "rotation": 0.3, "scale": [2, 1]}}}}}, {"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.8}, "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [0.5, 0.7, 1]}, "KHR_materials_clearcoat": {"clearcoatFactor": 0.5}, "KHR_materials_sheen": {"sheenColorFactor": [0.5, 0.2, 0.1]}, "KHR_materials_iridescence": {"iridescenceFactor": 0.5, "iridescenceThicknessTexture": {"index": 0, "texCoord": 0, "extensions": {"KHR_texture_transform": {"offset": [0.5, 0], "rotation": 0.3, "scale": [2, 1]}}}}, "KHR_materials_anisotropy": {"anisotropyStrength": 0.4}, "KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.2}}}],
+ "extensions": {"KHR_lights_punctual": {"lights": [{"type": "spot", "intensity": 5, "spot": {"outerConeAngle": 0.6}}]}},
+ "extensionsUsed": ["KHR_lights_punctual", "KHR_draco_mesh_compression"]}
+EOF
+gltf skin <<'EOF'
+{"asset": {"version": "2.0"},
+ "buffers": [{"byteLength": 308, "uri": "b.bin"}],
+ "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 32}, {"buffer": 0, "byteOffset": 80, "byteLength": 12}, {"buffer": 0, "byteOffset": 92, "byteLength": 128}, {"buffer": 0, "byteOffset": 220, "byteLength": 64}, {"buffer": 0, "byteOffset": 284, "byteLength": 16}, {"buffer": 0, "byteOffset": 300, "byteLength": 8}],
+ "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 4}, {"bufferView": 1, "componentType": 5126, "type": "VEC2", "count": 4}, {"bufferView": 2, "componentType": 5123, "type": "SCALAR", "count": 6}, {"bufferView": 3, "componentType": 5126, "type": "MAT4", "count": 2}, {"bufferView": 4, "componentType": 5126, "type": "VEC4", "count": 4}, {"bufferView": 5, "componentType": 5121, "type": "VEC4", "count": 4}, {"bufferView": 6, "componentType": 5126, "type": "SCALAR", "count": 2}, {"componentType": 5126, "type": "VEC3", "count": 4, "sparse": {"count": 2, "indices": {"bufferView": 5, "componentType": 5121}, "values": {"bufferView": 0, "byteOffset": 12}}}],
+ "nodes": [{"mesh": 0, "skin": 0}, {"children": [2]}, {"translation": [0, 1, 0]}],
+ "meshes": [{"weights": [0.5], "primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 5, "WEIGHTS_0": 4, "COLOR_0": 4}, "targets": [{"POSITION": 7}], "material": 0}]}],
+ "skins": [{"joints": [1, 2], "inverseBindMatrices": 3}],
+ "animations": [{"samplers": [{"input": 6, "output": 4, "interpolation": "CUBICSPLINE"}, {"input": 6, "output": 6}], "channels": [{"sampler": 0, "target": {"node": 1, "path": "rotation"}}, {"sampler": 1, "target": {"node": 0, "path": "weights"}}]}],
+ "materials": [{"extensions": {"KHR_materials_unlit": {}}}]}
+EOF
+
+# ---- pbrt ----
+pbrt() { { cat; part parts/a.pbrt; printf 'Translate 0 0 1\nMakeNamedMaterial "m" "string type" "conductor" "float roughness" 0.1\n'; part x.png; cat "$work/x.png"; } | seed pbrt "$1"; }
+pbrt shapes <<'EOF'
+Option "integer seed" 3
+Film "rgb" "integer xresolution" 8 "integer yresolution" 6 "float iso" 200
+Sampler "zsobol" "integer pixelsamples" 2
+Integrator "volpath" "integer maxdepth" 3
+PixelFilter "gaussian"
+LookAt 0 0 -5 0 0 0 0 1 0
+Camera "perspective" "float fov" 60 "float lensradius" 0.1
+WorldBegin
+Include "parts/a.pbrt"
+LightSource "infinite" "string filename" "x.png" "float scale" 2
+LightSource "spot" "blackbody I" 3000 "point3 from" [0 3 0]
+Texture "i" "spectrum" "imagemap" "string filename" "x.png" "bool invert" true
+Texture "t" "spectrum" "checkerboard" "texture tex1" "i" "rgb tex2" [0.5 0.2 0.1] "float uscale" 2
+AttributeBegin
+  Material "coateddiffuse" "texture reflectance" "t" "float roughness" 0.2
+  Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] "normal N" [0 0 1 0 0 1 0 0 1] "integer indices" [0 1 2] "float alpha" 0.5
+AttributeEnd
+NamedMaterial "m"
+Shape "sphere" "float radius" 0.5 "float zmax" 0.25
+Shape "loopsubdiv" "point3 P" [0 0 0 1 0 0 0 1 0 0 0 1] "integer indices" [0 1 2 0 3 1] "integer levels" 1
+Shape "bilinearmesh" "point3 P" [0 0 0 1 0 1 0 1 1 1 1 0]
+ObjectBegin "o" Scale 1 2 1 Shape "sphere" Shape "cylinder" Shape "disk" ObjectEnd
+ReverseOrientation ObjectInstance "o"
+EOF
+pbrt media <<'EOF'
+MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_s" [1 2 3] "float g" 0.3
+MediumInterface "" "fog"
+Camera "orthographic"
+WorldBegin
+MakeNamedMedium "grid" "string type" "uniformgrid" "integer nx" 2 "integer ny" 1 "integer nz" 1 "float density" [1 2]
+AttributeBegin
+  MediumInterface "grid" "fog" Material "interface" Shape "sphere" "float radius" 2
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "spectrum L" [400 1 600 2] "float power" 5 Translate 0 1 3 Shape "disk"
+AttributeEnd
+MakeNamedMaterial "a" "string type" "dielectric" "spectrum eta" "glass-BK7"
+MakeNamedMaterial "b" "string type" "diffusetransmission"
+Attribute "material" "string materials" ["a" "b"]
+Material "mix" "float amount" 0.3 Shape "cylinder" "float phimax" 90
+EOF
+
 # ---- Pictures ----
 for ending in png exr hdr pfm; do seed image $ending <"$work/x.$ending"; done
 gm convert "$work/x.png" -depth 16 "$work/deep.png" && seed image png16 <"$work/deep.png"

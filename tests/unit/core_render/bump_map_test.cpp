@@ -87,6 +87,14 @@ TEST(BumpMap, FollowsTheScaleOfTextures) {
   expect_near(shaded_normal(kQuad, texture, 1, kFromAbove), {0, 0, 1}, 2e-3f);
 }
 
+// The slope of the image's u, which is the surface's v times -0.5, and of its v.
+TEST(BumpMap, FollowsTheShearOfTextures) {
+  Texture texture = ramp(true);
+  texture.scale = {0, 0}, texture.shear = {-0.5f, 0.5f};
+  texture.offset = {1, 0};
+  expect_near(shaded_normal(kQuad, texture, 1, kFromAbove), leaning(0, -0.25f), 2e-3f);
+}
+
 // u runs east, once around; v runs north, half around.
 TEST(BumpMap, HasTheSlopeOfSpheres) {
   const SphereDescription ball{{0, 0, 0}, 2, 0};

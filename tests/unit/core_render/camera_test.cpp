@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/lights/equirectangular.hpp"
 #include "tests/support/near.hpp"
 
 namespace tessera::core {
@@ -62,6 +63,71 @@ TEST(Camera, CanFocusAtInfinity) {
   const Ray ray = Camera(description).ray({150, 20}, 200, 100, {0.9f, 0.4f});
   expect_near(ray.direction, Camera(kAhead).ray({150, 20}, 200, 100, {}).direction, 1e-5f);
   EXPECT_NE(ray.origin, description.position);
+}
+
+TEST(Camera, ShiftMovesTheImageToTheRightAndUp) {
+  CameraDescription description = kAhead;
+  description.lens_shift = {0.5f, -0.25f};
+  const Camera shifted(description), camera(kAhead);
+  expect_near(shifted.ray({0, 25}, 200, 100, {}).direction, {0, 0, -1}, 1e-5f);
+  expect_near(shifted.ray({30, 40}, 200, 100, {}).direction, camera.ray({130, 65}, 200, 100, {}).direction,
+              1e-5f);
+}
+
+TEST(Camera, MirrorsItsImage) {
+  CameraDescription description = kAhead;
+  for (const CameraType type : {CameraType::kPerspective, CameraType::kPanoramic}) {
+    description.type = type;
+    description.mirrored = false;
+    const Vec3 plain = Camera(description).ray({170, 30}, 200, 100, {}).direction;
+    description.mirrored = true;
+    expect_near(Camera(description).ray({30, 30}, 200, 100, {}).direction, plain, 1e-5f);
+  }
+}
+
+TEST(Camera, OrthographicRaysAreParallel) {
+  CameraDescription description = kAhead;
+  description.type = CameraType::kOrthographic;
+  description.view_height = 4;
+  const Camera camera(description);
+  const Ray corner = camera.ray({200, 0}, 200, 100, {});
+  expect_near(corner.direction, {0, 0, -1}, 1e-6f);
+  expect_near(corner.origin, {1 + 4, 2 + 2, 3}, 1e-5f);
+  expect_near(camera.ray({100, 50}, 200, 100, {}).origin, kAhead.position, 1e-5f);
+  description.aperture_radius = 0.5f;
+  description.focus_distance = 4;
+  for (const Vec2 lens : {Vec2{0.1f, 0.9f}, {0.5f, 0.2f}}) {
+    const Ray ray = Camera(description).ray({200, 0}, 200, 100, lens);
+    EXPECT_NE(ray.origin, corner.origin);
+    expect_near(ray.origin + ray.direction * (4 / -ray.direction.z), {5, 4, -1}, 1e-5f);
+  }
+}
+
+TEST(Camera, PanoramicRaysGoInAllDirections) {
+  CameraDescription description = kAhead;
+  description.type = CameraType::kPanoramic;
+  const Camera camera(description);
+  const auto toward = [&](float x, float y) { return camera.ray({x, y}, 360, 180, {}).direction; };
+  expect_near(toward(180, 90), {0, 0, -1}, 1e-5f);
+  expect_near(toward(270, 90), {1, 0, 0}, 1e-5f);
+  expect_near(toward(0, 90), {0, 0, 1}, 1e-5f);
+  expect_near(toward(123, 0), {0, 1, 0}, 1e-5f);
+  expect_near(toward(123, 180), {0, -1, 0}, 1e-5f);
+  const float s = std::sqrt(0.5f);
+  expect_near(toward(270, 45), {s, s, 0}, 1e-5f);
+  EXPECT_EQ(camera.ray({5, 5}, 360, 180, {}).origin, kAhead.position);
+}
+
+// The image of a panoramic camera is the environment that it saw.
+TEST(Camera, PanoramicAgreesWithEnvironments) {
+  CameraDescription description{.position = {}, .look_at = {0, 0, -1}};
+  description.type = CameraType::kPanoramic;
+  const Camera camera(description);
+  for (const Vec2 at : {Vec2{0.1f, 0.3f}, {0.6f, 0.8f}, {0.9f, 0.55f}}) {
+    const Vec2 uv = EquirectangularMap(0).uv_of(camera.ray({at.x * 64, at.y * 32}, 64, 32, {}).direction);
+    EXPECT_NEAR(uv.x, at.x, 1e-5f);
+    EXPECT_NEAR(uv.y, 1 - at.y, 1e-5f);
+  }
 }
 
 TEST(Camera, FocusesAtWhatItLooksAtByDefault) {

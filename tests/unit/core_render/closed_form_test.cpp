@@ -34,6 +34,17 @@ TEST_P(Furnace, HasTheRadianceOfTheGeometricSeries) {
 
 INSTANTIATE_TEST_SUITE_P(ClosedForm, Furnace, testing::Values(0.0f, 0.3f, 0.5f, 0.8f, 0.95f, 0.99f));
 
+// In an even environment, a white body cannot be told from it.
+TEST(CappedCylinder, IsInvisibleInAWhiteFurnace) {
+  test::SceneMaker maker({.position = {2, 2.5f, 3}, .look_at = {0, 0.5f, 0}, .vertical_fov_degrees = 45});
+  const auto white = maker.material(test::lambert(1));
+  maker.add(DiskDescription{{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 0, false, white});
+  maker.add(DiskDescription{{0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 0.5f, false, white});
+  maker.add(CylinderDescription{{0, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}, false, white});
+  maker.description().environment = EnvironmentDescription{{Rgb::gray(1)}};
+  expect_radiance(maker.build(), 1, 200);
+}
+
 // Nearly white scenes have a finite variance: most pixels are near the truth after a few samples.
 TEST(NearlyWhiteFurnace, HasItsRadianceInMostPixels) {
   test::SceneMaker maker(

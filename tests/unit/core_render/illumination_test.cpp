@@ -145,6 +145,77 @@ INSTANTIATE_TEST_SUITE_P(ClosedForm, SphereLightOverPlane,
                                          SphereCase{"mostly_below", {0.2f, -0.2f, -1.2f}, 0.9f}),
                          [](const auto& test_case) { return std::string(test_case.param.name); });
 
+// A disk overhead of radius r at height h has the form factor r^2 / (r^2 + h^2) (Howell 2010, B-12).
+TEST(DiskLightOverPlane, MatchesTheFormFactor) {
+  for (const float inner : {0.0f, 0.7f}) {
+    test::SceneMaker maker = lit_square();
+    const auto lamp = maker.material(test::lambert(0), Rgb::gray(6), false);
+    maker.add(DiskDescription{{0, 1.5f, 0}, {0.8f, 0, 0}, {0, 0, 0.8f}, inner, false, lamp});
+    const auto factor = [](double r2) { return r2 / (r2 + 1.5 * 1.5); };
+    const double hole = 0.8 * static_cast<double>(inner);
+    expect_radiance(maker.build(), reflected(6 * std::numbers::pi * (factor(0.64) - factor(hole * hole))),
+                    1000);
+  }
+}
+
+// Irradiance of the origin, facing up, from one side of a cylinder of unit radiance. A convex surface hides
+// no point whose outside is turned to the origin.
+double cylinder_irradiance(const CylinderDescription& c) {
+  constexpr int kSteps = 300;
+  double sum = 0;
+  for (int i = 0; i < kSteps; ++i)
+    for (int j = 0; j < kSteps; ++j) {
+      const double angle = 2 * std::numbers::pi * (i + 0.5) / kSteps;
+      const Vec3d u(c.radius_u), v(c.radius_v), axis(c.axis);
+      const Vec3d p = Vec3d(c.start) + (j + 0.5) / kSteps * axis + std::cos(angle) * u + std::sin(angle) * v;
+      const Vec3d area = cross(std::cos(angle) * v - std::sin(angle) * u, axis);
+      const double d2 = dot(p, p), facing = -dot(area, p);
+      if (facing > 0 && p.y > 0) sum += facing * p.y / (d2 * d2);
+    }
+  return sum * 2 * std::numbers::pi / (double{kSteps} * kSteps);
+}
+
+TEST(CylinderLightOverPlane, MatchesItsIntegral) {
+  for (const bool elliptic : {false, true}) {
+    test::SceneMaker maker = lit_square();
+    CylinderDescription lamp{{-0.3f, 0.8f, -0.4f}, {0.5f, 0.2f, 0.6f}, {}, {}, false, 0};
+    lamp.radius_u = 0.2f * normalize(cross(lamp.axis, {0, 1, 0}));
+    lamp.radius_v = (elliptic ? 2.0f : 1.0f) * 0.2f * normalize(cross(lamp.axis, lamp.radius_u));
+    lamp.material = maker.material(test::lambert(0), Rgb::gray(8), false);
+    maker.add(lamp);
+    expect_radiance(maker.build(), reflected(8 * cylinder_irradiance(lamp)), 600);
+  }
+}
+
+// Unit shapes in instances; where the map reflects, the front stays outside.
+TEST(DiskLightOverPlane, IsTheSameInInstances) {
+  for (const bool reflects : {false, true}) {
+    test::SceneMaker maker = lit_square();
+    const auto lamp = maker.material(test::lambert(0), Rgb::gray(6), false);
+    maker.description().objects = {{"lamp", {DiskDescription{.material = lamp}}, {}}};
+    const Vec3 u{0.8f, 0, 0}, v{0, 0, 0.8f};
+    maker.add(
+        InstanceDescription{0, {reflects ? v : u, reflects ? u : v, {0, -2, 0}, {0, 1.5f, 0}}, std::nullopt});
+    expect_radiance(maker.build(), reflected(6 * std::numbers::pi * 0.64 / (0.64 + 2.25)), 600);
+  }
+}
+
+TEST(CylinderLightOverPlane, IsTheSameInInstances) {
+  for (const bool reflects : {false, true}) {
+    test::SceneMaker maker = lit_square();
+    const CylinderDescription shown{
+        {-0.3f, 0.8f, -0.4f}, {0.5f, 0.2f, 0.6f}, {0.2f, 0.1f, 0}, {0, 0.3f, -0.1f}};
+    const auto lamp = maker.material(test::lambert(0), Rgb::gray(8), false);
+    maker.description().objects = {{"lamp", {CylinderDescription{.material = lamp}}, {}}};
+    const Vec3 u = shown.radius_u, v = shown.radius_v;
+    maker.add(
+        InstanceDescription{0, {reflects ? v : u, reflects ? u : v, shown.axis, shown.start}, std::nullopt});
+    const double irradiance = cylinder_irradiance(shown);
+    ASSERT_GT(irradiance, 0.01);
+    expect_radiance(maker.build(), reflected(8 * irradiance), 600);
+  }
+}
+
 TEST(TexturedLight, LightsLikeTheMeanOfItsTextureWhereItIsFar) {
   test::SceneMaker maker = lit_square();
   const TextureImage image{2, 1, std::vector<float>{4, 0, 0, 12, 0, 0}};
@@ -304,6 +375,44 @@ TEST(EnvironmentPicture, LightsAsItsIntegralSays) {
     const double irradiance = irradiance_of(Environment(Rgb::gray(2), surroundings(), rotation));
     expect_radiance(maker.build(), reflected(irradiance));
   }
+}
+
+TEST(EnvironmentPicture, LightsAsItsIntegralSaysInEveryOrientation) {
+  const Transform turned = compose(rotation({1, 2, -1}, 75), scaling({1, 1, -1}));
+  test::SceneMaker maker = lit_square();
+  maker.description().textures = {{.image = surroundings()}};
+  maker.description().environment = {{Rgb::gray(2), 0}, 30, turned};
+  const double irradiance = irradiance_of(Environment(Rgb::gray(2), surroundings(), 30, turned));
+  expect_radiance(maker.build(), reflected(irradiance), 1000);
+}
+
+TEST(EnvironmentPicture, IsTurnedByItsOrientation) {
+  const auto picture = surroundings();
+  const Environment plain(Rgb::gray(1), picture, 40),
+      level(Rgb::gray(1), picture, 0, rotation({0, 1, 0}, 40));
+  const Transform turn = rotation({1, -2, 3}, 100);
+  const Environment turned(Rgb::gray(1), picture, 40, turn);
+  for (const Vec3 d : {Vec3{1, 0.2f, 0.3f}, {-0.5f, 1, 0.1f}, {0.2f, -0.4f, -1}}) {
+    EXPECT_NEAR(level.radiance(d).r, plain.radiance(d).r, 1e-3f);
+    EXPECT_NEAR(turned.radiance(turn.direction(d)).r, plain.radiance(d).r, 1e-3f);
+  }
+}
+
+// Seen by the camera itself, in a mirror, and as the light of a floor.
+TEST(Environment, CanBeHiddenFromTheCamera) {
+  for (const bool visible : {true, false})
+    for (const Integrator integrator : {Integrator::kMis, Integrator::kWhitted}) {
+      const auto seen = [&](std::optional<MaterialModel> model) {
+        test::SceneMaker maker({.position = {0, 2, 0.1f}, .look_at = {}, .vertical_fov_degrees = 1});
+        const auto material = maker.material(model.value_or(test::lambert(0)));
+        maker.add(QuadDescription{{-1, model ? 0.0f : 9.0f, 1}, {2, 0, 0}, {0, 0, -2}, material});
+        maker.description().environment = EnvironmentDescription{{Rgb::gray(1)}, 0, {}, visible};
+        return test::mean_radiance(maker.build(), {.integrator = integrator}, 64).value;
+      };
+      EXPECT_NEAR(seen(std::nullopt), visible ? 1 : 0, 1e-5) << "the background";
+      EXPECT_NEAR(seen(Mirror{}), 1, 0.01) << "in a mirror";
+      EXPECT_NEAR(seen(test::lambert(0.5f)), 0.5, 0.05) << "as light";
+    }
 }
 
 // An upright wall sees one side of the environment, and so the rotation.

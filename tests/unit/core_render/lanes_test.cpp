@@ -216,6 +216,9 @@ TEST_F(EightLanes, OfTextures) {
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       const auto& picture = pictures[generator_() % (i % 2 == 0 ? 3 : pictures.size())];
       textures[lane] = {picture, random() < 0.5f ? Wrap::kRepeat : Wrap::kClamp, {3, -2}, {0.2f, random()}};
+      if (random() < 0.3f) textures[lane].wrap_v = Wrap::kMirror;
+      if (random() < 0.2f) textures[lane].wrap = Wrap::kMirror;
+      if (random() < 0.3f) textures[lane].shear = {0.7f, random()};
       pointers[lane] = &textures[lane];
       constexpr float kOdd[] = {std::numeric_limits<float>::quiet_NaN(),
                                 std::numeric_limits<float>::infinity(),
@@ -295,6 +298,30 @@ TEST_F(EightColoredLanes, OfGlossyTriangles) {
 }
 
 TEST_F(EightColoredLanes, OfAllMaterialsAndShapes) {
+  compare_all();
+}
+
+// The same scene with layered and brushed surfaces, and a blend in place of its last material.
+SceneDescription with_layers() {
+  SceneDescription scene = fingerprint_scene();
+  for (Material& material : scene.materials) {
+    if (material.name == "cloth") material.model = ConductorMaterial{.roughness = 0.5f, .anisotropy = 0.7f};
+    if (material.name == "frosted")
+      material.model = Principled{.transmission_weight = 0.5f, .coat_weight = 0.5f, .fuzz_weight = 0.5f};
+    if (material.name == "varnish") material.model = Plastic{};
+    if (material.name == "mirror") material.model = ThinDielectric{};
+    if (material.name == "wall") material.two_sided = false;
+  }
+  scene.materials.back().model = Blend{.first = 0, .second = 2};
+  return scene;
+}
+
+class EightLayeredLanes : public EightLanes {
+ protected:
+  EightLayeredLanes() : EightLanes(with_layers()) {}
+};
+
+TEST_F(EightLayeredLanes, OfAllMaterialsAndShapes) {
   compare_all();
 }
 

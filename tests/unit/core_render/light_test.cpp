@@ -131,6 +131,26 @@ INSTANTIATE_TEST_SUITE_P(
         LightCase{"sphere", SphereDescription{{0, 2, 0.5f}, 0.8f, 0}, {0.1f, 0, 0}, {0, 2, 0.5f}, 24},
         LightCase{"near_sphere", SphereDescription{{0, 1, 0}, 0.95f, 0}, {0, 0, 0}, {0, 1, 0}, 72.5},
         LightCase{"inside_sphere", SphereDescription{{0, 0, 0}, 2, 0}, {0.9f, 0.5f, 0}, {0, 0, 0}, 180},
+        LightCase{"disk",
+                  DiskDescription{{0.2f, 1, 0}, {0.9f, 0.2f, 0}, {0, 0.3f, 0.8f}},
+                  {0, 0, 0},
+                  {0.2f, 1, 0},
+                  60},
+        LightCase{"ring",
+                  DiskDescription{{0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 0.6f},
+                  {0.1f, 0, 0.2f},
+                  {0.1f, 1, 0.2f},
+                  60},
+        LightCase{"in_a_cylinder",
+                  CylinderDescription{{0, 0, -1}, {0, 0, 2}, {1, 0, 0}, {0, 1, 0}},
+                  {0.2f, -0.3f, 0.1f},
+                  {0.2f, 1, 0.1f},
+                  180},
+        LightCase{"in_an_elliptic_cylinder",
+                  CylinderDescription{{0.1f, 0, -1}, {-0.2f, 0.1f, 2}, {1.6f, 0.2f, 0}, {0, 0.7f, 0.1f}},
+                  {0.3f, 0.1f, 0.1f},
+                  {0.3f, 1, 0.1f},
+                  180},
         LightCase{
             "offset_sphere", SphereDescription{{300, 2, 0.5f}, 0.8f, 0}, {299, 1, 0}, {300, 2, 0.5f}, 40}),
     [](const auto& test_case) { return std::string(test_case.param.name); });
@@ -161,6 +181,10 @@ TEST(AreaLight, HasThePowerOfTheSidesThatEmit) {
   EXPECT_NEAR(light_of(QuadLight{{0, 0, 0}, {5, 0, 0}, {0, 1, 0}}, {0, 0, 1}, 2, false).power(), quad, 1e-4);
   EXPECT_NEAR(light_of(QuadLight{{0, 0, 0}, {5, 0, 0}, {0, 1, 0}}, {0, 0, 1}, 2, true).power(), 2 * quad,
               1e-4);
+  EXPECT_NEAR(light_of(DiskLight{{}, {2, 0, 0}, {0, 2, 0}, 0.5f}, {0, 0, 1}, 2, false).power(),
+              3.14159265 * 2 * 3.14159265 * 3, 1e-4);
+  EXPECT_NEAR(light_of(CylinderLight{{}, {0, 0, 3}, {2, 0, 0}, {0, 2, 0}, false}, {}, 2, true).power(),
+              2 * 3.14159265 * 2 * 3.14159265 * 12, 1e-3);
   EXPECT_NEAR(light_of(SphereLight{{0, 0, 0}, 2}, {}, 1, true).power(), 3.14159265 * 4 * 3.14159265 * 4,
               1e-3);
 }

@@ -83,6 +83,18 @@ TEST(NormalMap, FollowsPicturesMirroredByTheirScale) {
   expect_near(shaded_normal(quad(), texture, kFromAbove), {-kTowardsX.x, 0, kTowardsX.z}, 2e-3f);
 }
 
+// A sheared texture does what other coordinates of the surface do.
+TEST(NormalMap, FollowsPicturesTurnedByTheirShear) {
+  Texture texture = normal_texture(kLean, 0);
+  texture.scale = {0, 0}, texture.shear = {-1, 1};  // the image's u is -v, and its v is u
+  expect_near(shaded_normal(quad(), texture, kFromAbove), {0, -kLean, kTowardsY.z}, 2e-3f);
+  texture.shear = {2, 2};  // the image's u is v, and its v is u
+  expect_near(shaded_normal(quad(), texture, kFromAbove), kTowardsY, 2e-3f);
+  const float c = std::sqrt(0.75f), s = 0.5f;
+  texture.scale = {3 * c, 3 * c}, texture.shear = {-3 * s, 3 * s};
+  expect_near(shaded_normal(quad(), texture, kFromAbove), {kLean * c, -kLean * s, kTowardsX.z}, 2e-3f);
+}
+
 TEST(NormalMap, LeavesSurfacesWithoutCoordinatesAsTheyAre) {
   for (const MeshDescription& mesh :
        {triangle({0, 0}, {0, 0}, {0, 0}), triangle({0, 0}, {0.5f, 0.5f}, {1, 1})})

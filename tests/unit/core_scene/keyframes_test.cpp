@@ -49,6 +49,18 @@ TEST(Keyframes, OfTheCameraAreRead) {
   EXPECT_EQ(at.aperture_rotation_degrees, 45);
 }
 
+TEST(Keyframes, OfAnOrthographicCameraAreRead) {
+  const SceneDescription scene = loaded_scene(
+      with_camera("\"type\": \"orthographic\", \"position\": [0, 0, 5], \"look_at\": [0, 0, 0], "
+                  "\"view_height\": " +
+                  two_keyframes("2", "4") + ", \"lens_shift\": " + two_keyframes("[0, 0]", "[1, -1]")));
+  const CameraDescription at = camera_at(scene.camera, scene.animation.camera, 3);
+  EXPECT_EQ(at.type, CameraType::kOrthographic);
+  EXPECT_EQ(at.view_height, 3);
+  EXPECT_EQ(at.lens_shift, (Vec2{0.5f, -0.5f}));
+  EXPECT_TRUE(is_animated(scene.animation));
+}
+
 TEST(Keyframes, OfLightsAreRead) {
   const SceneDescription scene = loaded_scene(scene_with(
       "\"lights\": [{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}, "

@@ -115,8 +115,8 @@ TEST_F(SceneLimitsTest, LightsOfEveryInstance) {
   EXPECT_EQ(message_of(load(scene)), "");
   limits_.lights.most = 6;
   EXPECT_THAT(message_of(load(scene)),
-              HasSubstr("scene.json: the scene has 7 lights (emissive triangles, quads and "
-                        "spheres, again for every instance), more than the 6 that it may "
+              HasSubstr("scene.json: the scene has 7 lights (emissive triangles and other "
+                        "shapes, again for every instance), more than the 6 that it may "
                         "have here (--lights)"));
 }
 

@@ -111,7 +111,7 @@ TEST(MtlMaterials, AreGlassWhereTheyRefract) {
     ASSERT_NE(glass, nullptr) << illum;
     EXPECT_EQ(glass->ior.value, 1.33f);
     EXPECT_EQ(glass->transmittance.value, (Rgb{0.9f, 1, 0.9f}));
-    EXPECT_TRUE(is_opaque(material));
+    EXPECT_TRUE(is_opaque(material, {}));
   }
   EXPECT_EQ(model<Glass>("illum 7\n").ior.value, 1.5f);
   EXPECT_EQ(model<Glass>("d 0.1\nillum 7\n").transmittance.value, Rgb::gray(1));
@@ -133,7 +133,7 @@ TEST(MtlMaterials, AreCutOutRatherThanGlass) {
 TEST(MtlMaterials, OfMayaAreOpaqueAtIllum4) {
   const std::string maya = "illum 4\nKd 0.5 0.5 0.5\nKa 0 0 0\nNi 1.00\n";
   EXPECT_EQ(std::get<Lambert>(made(maya + "Tf 1.00 1.00 1.00\n").model).albedo.value, Rgb::gray(0.5f));
-  EXPECT_TRUE(is_opaque(made(maya + "Tf 1.00 1.00 1.00\n")));
+  EXPECT_TRUE(is_opaque(made(maya + "Tf 1.00 1.00 1.00\n"), {}));
   EXPECT_NEAR(made(maya + "Tf 0.25 0.25 0.25\n").opacity.value, 0.25f, 1e-6f);
 }
 

@@ -106,7 +106,8 @@ const std::string kScene = test::scene_with(
     "{\"type\": \"spot\", \"position\": [0, 4, 0], \"look_at\": [0, 0, 0], \"intensity\": 9, "
     "\"angle_degrees\": 60, \"softness\": 0.5},"
     "{\"type\": \"directional\", \"direction\": [0, -1, 0], \"irradiance\": 2}],"
-    "\"environment\": {\"radiance\": [1, 2, 3], \"texture\": \"sky\", \"rotation_degrees\": 45}",
+    "\"environment\": {\"radiance\": [1, 2, 3], \"texture\": \"sky\", \"rotation_degrees\": 45, "
+    "\"visible_to_camera\": false, \"orientation\": [{\"rotate\": {\"axis\": [1, 0, 0], \"degrees\": 30}}]}",
     "\"a\": {\"type\": \"lambert\", \"albedo\": {\"texture\": \"t\", \"tint\": 0.5}, "
     "\"emission\": {\"texture\": \"t\", \"tint\": 5}}, // comment\n"
     "\"g\": {\"type\": \"glass\", \"ior\": 1.5, \"transmittance\": [1, 0.9, 0.8], \"fresnel\": \"none\", "
@@ -122,6 +123,11 @@ const std::string kScene = test::scene_with(
     "\"a\"},"
     "{\"type\": \"instance\", \"object\": \"hut\", \"material\": \"a\", \"transform\": [{\"matrix\": "
     "[[1, 0, 0, 5], [0, 2, 0, 0], [0, 0, 1, 0]]}]},"
+    "{\"type\": \"disk\", \"center\": [0, 1, 0], \"normal\": [0, 1, 0], \"radius\": 2, \"inner_radius\": 1, "
+    "\"material\": \"g\"},"
+    "{\"type\": \"cylinder\", \"start\": [0, 0, 0], \"end\": [0, 1, 0], \"radius\": 2, \"flip_normal\": "
+    "true, "
+    "\"material\": \"a\"},"
     "{\"type\": \"mesh\", \"file\": \"roof.obj\", \"material\": \"g\"}");
 
 test::MemoryAssets::Files files(const std::string& obj, const std::string& mtl) {

@@ -106,5 +106,26 @@ TEST(ParameterOverride, IsReadAsIfItStoodInTheFile) {
             "scene.json: shapes[7].radius: 'shapes' has 1 elements, counted from 0");
 }
 
+TEST(ParameterOverride, BecomesADefaultOfAMitsubaScene) {
+  const std::string begin = "<?xml version='1.0'?>\n<!-- <scene> -->\n<scene version=\"3.0.0\">";
+  const std::string end = "\n<default name=\"spp\" value=\"4\"/>\n<integer name=\"n\" value=\"$n\"/></scene>";
+  EXPECT_EQ(replaced(begin + end, "spp=64"), begin + "<default name=\"spp\" value=\"64\"/>" + end);
+  EXPECT_EQ(replaced(begin + end, "n=\"a <b>\""), begin + "<default name=\"n\" value=\"a &lt;b>\"/>" + end);
+  EXPECT_EQ(replaced(begin + end, "n=[1, 0.5]"), begin + "<default name=\"n\" value=\"1, 0.5\"/>" + end);
+  EXPECT_EQ(replaced(begin + end, "other=1"), "other: the scene has no such parameter");
+  EXPECT_EQ(replaced(begin + end, "a.b=1"),
+            "a.b: a Mitsuba scene has parameters with plain names, as -D spp=64");
+}
+
+TEST(ParameterOverride, IsRefusedForFormatsWithoutParameters) {
+  test::MemoryAssets files({{"a.pbrt", "WorldBegin"}});
+  OverriddenAssets assets(files, "a.pbrt", {*parse_override("spp=64")});
+  const auto text = assets.read("a.pbrt");
+  ASSERT_FALSE(text);
+  EXPECT_EQ(text.error().message,
+            "'a.pbrt' has no parameters that -D can replace; those of .json, .gltf and Mitsuba's .xml files "
+            "can be");
+}
+
 }  // namespace
 }  // namespace tessera::core

@@ -185,6 +185,58 @@ TEST(SceneReading, TakesGlossyMaterials) {
   EXPECT_EQ(scene.materials[3].normal_map.texture, -1);
 }
 
+TEST(SceneReading, TakesLayeredMaterials) {
+  const SceneDescription scene = load(scene_with(
+      "\"textures\": {\"t0\": {\"file\": \"gray.png\"}, \"t1\": {\"file\": \"gray.png\"}}",
+      "\"a\": {\"type\": \"principled\", \"base_color\": {\"texture\": \"t0\"}, \"specular_ior\": 1.4, "
+      "\"coat_weight\": {\"texture\": \"t1\", \"scale\": 0.5}, \"thin_film_thickness\": 2, "
+      "\"geometry_thin_walled\": true, \"sides\": \"front\"},"
+      "\"b\": {\"type\": \"plastic\", \"diffuse\": 0.2, \"nonlinear\": true},"
+      "\"c\": {\"type\": \"conductor\", \"eta\": [0.1, 1, 2], \"k\": 30, \"roughness\": 0.5},"
+      "\"d\": {\"type\": \"conductor\", \"metal\": \"brass\"},"
+      "\"e\": {\"type\": \"diffuse_transmission\", \"transmittance\": 0.75},"
+      "\"f\": {\"type\": \"thin_dielectric\", \"ior\": 1.3},"
+      "\"g\": {\"type\": \"blend\", \"materials\": [\"b\", \"a\"], \"weight\": 0.25},"
+      "\"h\": {\"type\": \"null\"}",
+      ""));
+  const Principled& principled = std::get<Principled>(scene.materials[0].model);
+  EXPECT_EQ(principled.base_color.texture, 0);
+  EXPECT_EQ(principled.specular_ior.value, 1.4f);
+  EXPECT_EQ(principled.coat_weight.texture, 1);
+  EXPECT_EQ(principled.coat_weight.value, 0.5f);
+  EXPECT_EQ(principled.thin_film_thickness.value, 2);
+  EXPECT_EQ(principled.specular_roughness.value, 0.3f);
+  EXPECT_TRUE(principled.geometry_thin_walled);
+  EXPECT_FALSE(scene.materials[0].two_sided);
+  const Plastic& plastic = std::get<Plastic>(scene.materials[1].model);
+  EXPECT_EQ(plastic.diffuse.value, Rgb::gray(0.2f));
+  EXPECT_TRUE(plastic.nonlinear);
+  EXPECT_TRUE(scene.materials[1].two_sided);
+  const ConductorMaterial& metal = std::get<ConductorMaterial>(scene.materials[2].model);
+  EXPECT_EQ(metal.eta.value, (Rgb{0.1f, 1, 2}));
+  EXPECT_EQ(metal.k.value, Rgb::gray(30));
+  EXPECT_EQ(metal.roughness.value, 0.5f);
+  EXPECT_EQ(std::get<ConductorMaterial>(scene.materials[3].model).eta.value,
+            complex_index(Conductor::kBrass).eta);
+  EXPECT_EQ(std::get<DiffuseTransmission>(scene.materials[4].model).transmittance.value, Rgb::gray(0.75f));
+  EXPECT_EQ(std::get<ThinDielectric>(scene.materials[5].model).ior.value, 1.3f);
+  const Blend& blend = std::get<Blend>(scene.materials[6].model);
+  EXPECT_EQ(blend.first, 1u);
+  EXPECT_EQ(blend.second, 0u);
+  EXPECT_EQ(blend.weight.value, 0.25f);
+  EXPECT_TRUE(std::holds_alternative<Null>(scene.materials[7].model));
+}
+
+TEST(SceneReading, WarnsOfWhatIsApproximated) {
+  const SceneDescription scene = load(scene_with(
+      "",
+      "\"wax\": {\"type\": \"principled\", \"subsurface_weight\": 0.5}, \"clay\": {\"type\": \"principled\"}",
+      ""));
+  EXPECT_EQ(
+      scene.warnings,
+      std::vector<std::string>{"materials.wax: subsurface scattering is approximated by diffuse reflection"});
+}
+
 TEST(SceneReading, TakesOpacityAndBumps) {
   const SceneDescription scene = load(scene_with(
       "\"textures\": {\"t0\": {\"file\": \"gray.png\"}, "
@@ -199,7 +251,7 @@ TEST(SceneReading, TakesOpacityAndBumps) {
   EXPECT_EQ(scene.materials[0].bump.height, -2);
   EXPECT_EQ(scene.materials[1].opacity.value, 0.5f);
   EXPECT_EQ(scene.materials[1].opacity.texture, 1);
-  EXPECT_TRUE(is_opaque(scene.materials[2]));
+  EXPECT_TRUE(is_opaque(scene.materials[2], scene.materials));
   EXPECT_EQ(scene.materials[2].bump.texture, -1);
   // Heights are numbers, and gray.png has no alpha.
   EXPECT_EQ(scene.textures[0].image->color_space(), ColorSpace::kLinear);
@@ -230,7 +282,8 @@ TEST(SceneReading, TakesTexturesAndDecodesEachPictureOnce) {
        {"scene.json",
         scene_with(
             "\"textures\": {\"a\": {\"file\": \"gray.png\"},"
-            "\"b\": {\"file\": \"gray.png\", \"wrap\": \"clamp\", \"scale\": [2, 3], \"offset\": [0.5, 0]},"
+            "\"b\": {\"file\": \"gray.png\", \"wrap\": \"clamp\", \"scale\": [2, 3], \"offset\": [0.5, 0],"
+            "\"wrap_v\": \"mirror\", \"shear\": [0.25, 4]},"
             "\"c\": {\"file\": \"gray.png\", \"color_space\": \"linear\"}}",
             "", "")}});
   const auto scene = load_scene(assets, "scene.json", "scene.json");
@@ -243,6 +296,8 @@ TEST(SceneReading, TakesTexturesAndDecodesEachPictureOnce) {
   EXPECT_EQ(t[1].wrap, Wrap::kClamp);
   EXPECT_EQ(t[1].scale, (Vec2{2, 3}));
   EXPECT_EQ(t[1].offset, (Vec2{0.5f, 0}));
+  EXPECT_EQ(t[1].wrap_v, Wrap::kMirror);
+  EXPECT_EQ(t[1].shear, (Vec2{0.25f, 4}));
   EXPECT_NEAR(t[0].evaluate({0.3f, 0.3f}).r, 0.5f, 5e-3f);
   EXPECT_EQ(t[2].evaluate({0.3f, 0.3f}).r, 188.0f / 255);
   EXPECT_EQ(assets.reads().at("gray.png"), 2);
@@ -280,6 +335,20 @@ TEST(SceneReading, KeepsObjectsOnceAndPlacesTheirInstances) {
   EXPECT_EQ(std::get<InstanceDescription>(scene.shapes[1]).material, std::nullopt);
 }
 
+// An object may be written before those that it holds.
+TEST(SceneReading, ReplacesInstancesInObjects) {
+  const SceneDescription scene = load(scene_with(
+      "\"objects\": {\"tree\": {\"shapes\": [{\"type\": \"instance\", \"object\": \"leaf\", \"transform\": "
+      "[{\"translate\": [1, 0, 0]}]}, {\"type\": \"instance\", \"object\": \"leaf\"}]},"
+      "\"leaf\": {\"shapes\": [{\"type\": \"sphere\", \"radius\": 2, \"material\": \"light\"}]}}",
+      "", "{\"type\": \"instance\", \"object\": \"tree\", \"transform\": [{\"scale\": 3}]}"));
+  ASSERT_EQ(scene.objects.size(), 1u);
+  EXPECT_EQ(scene.objects[0].name, "leaf");
+  ASSERT_EQ(scene.shapes.size(), 3u) << "with the lamp of every test";
+  EXPECT_EQ(std::get<InstanceDescription>(scene.shapes[0]).to_world.point({}), (Vec3{3, 0, 0}));
+  EXPECT_EQ(std::get<InstanceDescription>(scene.shapes[1]).to_world.point({}), (Vec3{}));
+}
+
 TEST(SceneReading, MirrorsSpheresAndQuads) {
   const SceneDescription scene =
       load(scene_with("", "",
@@ -300,6 +369,57 @@ TEST(SceneReading, MirrorsSpheresAndQuads) {
     EXPECT_EQ(mesh.positions[i].x, -2 * mesh.uvs[i].x);
     EXPECT_EQ(mesh.positions[i].y, mesh.uvs[i].y);
   }
+}
+
+TEST(SceneReading, PlacesDisksAndCylinders) {
+  const SceneDescription scene = load(scene_with(
+      "", "",
+      "{\"type\": \"disk\", \"center\": [1, 0, 0], \"radius\": 2, \"inner_radius\": 0.5, \"material\": "
+      "\"light\", \"transform\": [{\"scale\": [-3, 1, 1]}]},"
+      "{\"type\": \"cylinder\", \"start\": [0, 0, 1], \"end\": [0, 0, 3], \"radius\": 0.5, \"material\": "
+      "\"light\", \"flip_normal\": true, \"transform\": [{\"translate\": [5, 0, 0]}]},"
+      "{\"type\": \"disk\", \"normal\": [0, 9, 0], \"radius\": 1, \"material\": \"light\"}"));
+  const auto& disk = std::get<DiskDescription>(scene.shapes[0]);
+  EXPECT_EQ(disk.center, (Vec3{-3, 0, 0}));
+  EXPECT_EQ(disk.radius_u, (Vec3{-6, 0, 0}));
+  EXPECT_EQ(disk.radius_v, (Vec3{0, 2, 0}));
+  EXPECT_EQ(disk.inner, 0.25f);
+  EXPECT_TRUE(disk.flipped) << "the front stays at +z";
+  const auto& cylinder = std::get<CylinderDescription>(scene.shapes[1]);
+  EXPECT_EQ(cylinder.start, (Vec3{5, 0, 1}));
+  EXPECT_EQ(cylinder.axis, (Vec3{0, 0, 2}));
+  EXPECT_EQ(cylinder.radius_u, (Vec3{0.5f, 0, 0}));
+  EXPECT_EQ(cylinder.radius_v, (Vec3{0, 0.5f, 0}));
+  EXPECT_TRUE(cylinder.flipped);
+  const auto& facing_up = std::get<DiskDescription>(scene.shapes[2]);
+  expect_near(cross(facing_up.radius_u, facing_up.radius_v), {0, 1, 0}, 1e-6f);
+}
+
+TEST(SceneReading, TakesTheTypesOfCameras) {
+  const auto camera = [](const std::string& keys) {
+    return load("{\"camera\": {\"position\": [0, 0, 5], \"look_at\": [0, 0, 0], " + keys +
+                "}, \"materials\": {\"l\": {\"type\": \"lambert\", \"emission\": 1}}, "
+                "\"shapes\": [{\"type\": \"sphere\", \"radius\": 1, \"material\": \"l\"}]}")
+        .camera;
+  };
+  EXPECT_EQ(camera("\"type\": \"panoramic\"").type, CameraType::kPanoramic);
+  EXPECT_TRUE(camera("\"mirror\": true").mirrored);
+  EXPECT_EQ(camera("\"lens_shift\": [0.5, -1]").lens_shift, (Vec2{0.5f, -1}));
+  const CameraDescription flat = camera("\"type\": \"orthographic\", \"view_height\": 7");
+  EXPECT_EQ(flat.type, CameraType::kOrthographic);
+  EXPECT_EQ(flat.view_height, 7);
+}
+
+TEST(SceneReading, TurnsAndHidesTheEnvironment) {
+  const SceneDescription scene =
+      load(scene_with("\"environment\": {\"visible_to_camera\": false, \"orientation\": [{\"matrix\": "
+                      "[[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0]]}]}",
+                      "", ""));
+  EXPECT_FALSE(scene.environment->visible_to_camera);
+  EXPECT_EQ(scene.environment->orientation.x_axis, (Vec3{0, 1, 0}));
+  EXPECT_EQ(test::mistakes_in(scene_with("\"environment\": {\"orientation\": [{\"scale\": 2}]}", "", "")),
+            "scene.json:2: environment.orientation: the steps together must be a rotation or a reflection, "
+            "which keep all lengths");
 }
 
 TEST(SceneReading, ReadsAMeshOnceForAllItsShapes) {

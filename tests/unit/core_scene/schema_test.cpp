@@ -73,11 +73,14 @@ TEST(Schema, HasTheWordsThatTheLoaderKnows) {
   expect_words("/properties/render/properties/heuristic", scene_keys::kHeuristics);
   expect_words("/$defs/texture/properties/color_space", scene_keys::kColorSpaces);
   expect_words("/$defs/texture/properties/wrap", scene_keys::kWraps);
-  expect_words("/$defs/emission_sides", scene_keys::kEmissionSides);
+  expect_words("/$defs/texture/properties/wrap_v", scene_keys::kWraps);
+  expect_words("/$defs/emission_sides", scene_keys::kSides);
+  expect_words("/$defs/sides", scene_keys::kSides);
   expect_words("/$defs/mesh/properties/normals", scene_keys::kNormals);
   expect_words("/$defs/glass/properties/fresnel", scene_keys::kDielectricFresnels);
   expect_words("/$defs/phong/properties/lobe", scene_keys::kPhongLobes);
   expect_words("/$defs/cook_torrance/properties/conductor", scene_keys::kConductors);
+  expect_words("/$defs/conductor/properties/metal", scene_keys::kConductors);
   expect_words("/$defs/cook_torrance/properties/masking", scene_keys::kMaskings);
   expect_words("/$defs/cook_torrance/properties/sampling", scene_keys::kMicrofacetSamplings);
   expect_words("/$defs/sampling", scene_keys::kSamplings);

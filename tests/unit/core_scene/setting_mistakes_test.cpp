@@ -107,7 +107,21 @@ TEST(SceneMistakes, InTheCamera) {
           {view + ", \"vertical_fov\": 40",
            "camera: unknown key 'vertical_fov'; known are 'position', 'look_at', 'up', "
            "'vertical_fov_degrees', 'aperture_radius', 'focus_distance', 'aperture_blades', "
-           "'aperture_rotation_degrees'"},
+           "'aperture_rotation_degrees', 'medium', 'type', 'view_height', 'lens_shift', 'mirror'"},
+          {view + ", \"type\": \"fisheye\"",
+           "camera.type: unknown value 'fisheye'; known are 'perspective', 'orthographic', 'panoramic'"},
+          {view + ", \"type\": \"orthographic\"",
+           "camera: an orthographic camera needs the key 'view_height'"},
+          {view + ", \"type\": \"orthographic\", \"view_height\": 0",
+           "camera.view_height: must be greater than 0, got 0"},
+          {view + ", \"type\": \"orthographic\", \"view_height\": 1, \"vertical_fov_degrees\": 40",
+           "camera.vertical_fov_degrees: a camera of the type 'orthographic' does not have this key"},
+          {view + ", \"view_height\": 1",
+           "camera.view_height: a camera of the type 'perspective' does not have this key"},
+          {view + ", \"type\": \"panoramic\", \"aperture_radius\": 1",
+           "camera.aperture_radius: a camera of the type 'panoramic' does not have this key"},
+          {view + ", \"lens_shift\": [0, 2000]",
+           "camera.lens_shift[1]: must be between -1000 and 1000 widths or heights of the image, got 2000"},
           {view + ", \"aperture_blades\": 2",
            "camera.aperture_blades: must be 0 for a round opening, or a whole number from 3 to 64, got 2"},
           {view + ", \"aperture_blades\": 65",
@@ -191,11 +205,12 @@ TEST(SceneMistakes, InTheEnvironment) {
            "is a key "
            "of its own: \"texture\": \"NAME\""},
           {"\"rotation\": 30",
-           "environment: unknown key 'rotation'; known are 'radiance', 'texture', 'rotation_degrees'"},
+           "environment: unknown key 'rotation'; known are 'radiance', 'texture', 'rotation_degrees', "
+           "'orientation', 'visible_to_camera'"},
           {"\"texture\": \"sun\"", "environment.texture: there is no texture 'sun'; known is 'sky'"},
           {"\"texture\": \"sky\"",
            "environment.texture: the environment is one whole image: leave out the texture's 'scale', "
-           "'offset' and 'wrap'; 'rotation_degrees' turns it"},
+           "'offset', 'shear' and 'wrap'; 'rotation_degrees' turns it"},
       },
       with_environment, 2);
 }

@@ -47,7 +47,8 @@ TEST(SceneMistakes, InMaterials) {
       {
           {"\"m\": {}",
            "materials.m: a material needs the key 'type', one of \"lambert\", \"mirror\", \"glass\", "
-           "\"phong\", \"cook_torrance\""},
+           "\"phong\", \"cook_torrance\", \"principled\", \"plastic\", \"conductor\", "
+           "\"diffuse_transmission\", \"thin_dielectric\", \"blend\", \"null\""},
           {"\"m\": 3", "materials.m: must be an object in braces, got 3"},
           {"\"m\": {\"type\": \"lambertian\"}",
            "materials.m.type: unknown value 'lambertian'; did you mean 'lambert'?"},
@@ -75,7 +76,7 @@ TEST(SceneMistakes, InMaterials) {
            "materials.m.emission_sides: unknown value 'back'; known are 'both', 'front'"},
           {"\"m\": {\"type\": \"lambert\", \"ior\": 1.5}",
            "materials.m: unknown key 'ior'; known are 'type', 'albedo', 'emission', 'emission_sides', "
-           "'sampling', 'normal_map', 'bump', 'opacity'"},
+           "'sampling', 'normal_map', 'bump', 'opacity', 'sides', 'interior_medium', 'exterior_medium'"},
           {"\"m\": {\"type\": \"mirror\", \"reflectance\": 1.1}",
            "materials.m.reflectance: must be between 0 and 1, got 1.1"},
           {"\"m\": {\"type\": \"glass\", \"ior\": 0.67}",
@@ -124,6 +125,18 @@ TEST(SceneMistakes, InGlossyMaterials) {
            "materials.m.conductor: unknown value 'aluminum'; did you mean 'aluminium'?"},
           {"\"m\": {\"type\": \"cook_torrance\", \"conductor\": \"gold\", \"f0\": 0.9}",
            "materials.m.conductor: a conductor has its own reflectance; leave 'f0' out, or this"},
+          {"\"m\": {\"type\": \"conductor\", \"metal\": \"gold\", \"k\": 2}",
+           "materials.m.metal: a metal has its own 'eta' and 'k'; leave them out"},
+          {"\"m\": {\"type\": \"principled\", \"base_colour\": 0.5}",
+           "materials.m: unknown key 'base_colour'; did you mean 'base_color'?"},
+          {"\"m\": {\"type\": \"principled\", \"geometry_thin_walled\": 1}",
+           "materials.m.geometry_thin_walled: must be true or false, got 1"},
+          {"\"m\": {\"type\": \"principled\", \"base_weight\": 2}",
+           "materials.m.base_weight: must be between 0 and 1, got 2"},
+          {"\"m\": {\"type\": \"blend\", \"materials\": [\"m\"]}",
+           "materials.m.materials: must be a list of 2 names of materials, got a list of 1"},
+          {"\"n\": {\"type\": \"null\"}, \"m\": {\"type\": \"blend\", \"materials\": [\"n\", \"o\"]}",
+           "materials.m.materials[1]: there is no material 'o' above this blend; did you mean 'n'?"},
           {"\"m\": {\"type\": \"cook_torrance\", \"masking\": 1}",
            "materials.m.masking: must be one of \"smith\", \"schlick\", got 1"},
           {"\"m\": {\"type\": \"phong\", \"sampling\": \"half_vector\"}",
@@ -152,6 +165,27 @@ TEST(SceneMistakes, SuggestTextures) {
             "scene.json:3: materials.m.albedo.texture: there is no texture 'wod'; did you mean 'wood'?");
 }
 
+TEST(SceneMistakes, InDisksAndCylinders) {
+  const std::string disk = "{\"type\": \"disk\", \"material\": \"light\", ";
+  const std::string cylinder = "{\"type\": \"cylinder\", \"material\": \"light\", \"start\": [0, 0, 0], ";
+  expect_mistakes(
+      {
+          {disk + "\"center\": [0, 0, 0]}", "shapes[0]: a disk needs the key 'radius'"},
+          {disk + "\"radius\": 1, \"normal\": [0, 0, 0]}",
+           "shapes[0]: 'normal' must have a length that is greater than 0 and can be computed"},
+          {disk + "\"radius\": 1, \"inner_radius\": 1}",
+           "shapes[0]: 'inner_radius' must be less than 'radius'"},
+          {disk + "\"radius\": 1, \"flip_normal\": 1}",
+           "shapes[0].flip_normal: must be true or false, got 1"},
+          {cylinder + "\"radius\": 1}", "shapes[0]: a cylinder needs the key 'end'"},
+          {cylinder + "\"end\": [0, 0, 0], \"radius\": 1}",
+           "shapes[0]: 'start' and 'end' must be two points"},
+          {cylinder + "\"end\": [0, 0, 1], \"radius\": -1}",
+           "shapes[0].radius: must be greater than 0, got -1"},
+      },
+      with_shapes, 4);
+}
+
 TEST(SceneMistakes, InShapes) {
   const std::string sphere = "{\"type\": \"sphere\", \"material\": \"light\", \"radius\": 1, ";
   const std::string mesh = "{\"type\": \"mesh\", \"file\": \"triangle.obj\", \"material\": \"light\", ";
@@ -160,7 +194,8 @@ TEST(SceneMistakes, InShapes) {
       {
           {"3", "shapes[0]: must be an object in braces, got 3"},
           {"{}",
-           "shapes[0]: a shape needs the key 'type', one of \"mesh\", \"sphere\", \"quad\", \"instance\""},
+           "shapes[0]: a shape needs the key 'type', one of \"mesh\", \"sphere\", \"quad\", \"instance\", "
+           "\"disk\", \"cylinder\""},
           {"{\"type\": \"shpere\"}", "shapes[0].type: unknown value 'shpere'; did you mean 'sphere'?"},
           {"{\"type\": \"sphere\", \"radius\": 1}", "shapes[0]: a sphere needs the key 'material'"},
           {"{\"type\": \"sphere\", \"material\": \"light\"}", "shapes[0]: a sphere needs the key 'radius'"},
@@ -263,11 +298,13 @@ TEST(SceneMistakes, InObjects) {
        "objects.tree.shapes: must be a list of at least one shape, got a list of 0"},
       {"{\"tree\": {\"shapes\": [{\"type\": \"mesh\", \"file\": \"none.obj\"}]}}",
        "objects.tree.shapes[0].file: 'none.obj' does not exist"},
-      {"{\"tree\": {\"shapes\": [{\"type\": \"instance\", \"object\": \"tree\"}]}}",
-       "objects.tree.shapes[0]: an object cannot hold instances of others; write them in the scene's own "
-       "'shapes'"}};
+      {"{\"tree\": {\"shapes\": [{\"type\": \"instance\", \"object\": \"leaf\"}]}}",
+       "objects.tree.shapes[0].object: there is no object 'leaf'; known is 'tree'"}};
   for (const auto& [text, message] : cases)
     EXPECT_EQ(mistakes_in(with_objects(text)), "scene.json:2: " + message) << text;
+  EXPECT_EQ(
+      mistakes_in(with_objects("{\"tree\": {\"shapes\": [{\"type\": \"instance\", \"object\": \"tree\"}]}}")),
+      "scene.json: object 'tree' holds an instance of itself, directly or through others");
 }
 
 TEST(SceneMistakes, OfShapesAsAList) {

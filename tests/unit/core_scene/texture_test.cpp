@@ -67,10 +67,39 @@ TEST(Texture, ScalesAndMovesCoordinates) {
   EXPECT_EQ(t.evaluate({0.0625f, 0.5f}).r, 1);  // 2 * 0.0625 + 0.25 = 0.375, the centre of texel 1
 }
 
+TEST(Texture, MirrorsAtEachEdge) {
+  const Texture t = texture_of(4, 1, {0, 1, 2, 3}, Wrap::kMirror);
+  for (const float u : {0.125f, 0.25f, 0.375f, 0.625f, 0.875f}) {
+    const Rgb inside = t.evaluate({u, 0.5f});
+    EXPECT_EQ(inside.r, 4 * u - 0.5f);
+    for (const float same : {-u, 2 - u, 2 + u, u - 4}) EXPECT_EQ(t.evaluate({same, 0.5f}), inside) << same;
+  }
+  EXPECT_EQ(t.evaluate({1, 0.5f}).r, 3);
+}
+
+TEST(Texture, WrapsAlongVByItself) {
+  Texture t = texture_of(4, 4, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}, Wrap::kClamp);
+  t.wrap_v = Wrap::kRepeat;
+  EXPECT_EQ(t.evaluate({1.875f, 1.875f}).r, 3);   // the last column of the first row
+  EXPECT_EQ(t.evaluate({0.125f, -0.125f}).r, 0);  // above the lower edge of the next image
+}
+
+// By 90 degrees: what was at the right is at the bottom.
+TEST(Texture, IsRotatedByShear) {
+  Texture t = texture_of(2, 2, {1, 2, 3, 4}, Wrap::kClamp);
+  t.scale = {0, 0};
+  t.shear = {-1, 1};
+  t.offset = {1, 0};
+  EXPECT_EQ(t.evaluate({0.25f, 0.75f}).r, 3);  // u = 1 - 0.75, v = 0.25
+  EXPECT_EQ(t.evaluate({0.75f, 0.75f}).r, 1);
+  EXPECT_EQ(t.evaluate({0.75f, 0.25f}).r, 2);
+  EXPECT_EQ(t.evaluate({0.25f, 0.25f}).r, 4);
+}
+
 TEST(Texture, StaysInThePictureForAnyCoordinates) {
   const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
   const float odd[] = {inf, -inf, nan, 1e30f, -1e30f, -1e-30f, 0.99999994f, 1, -0.0f, 16777216.5f};
-  for (const Wrap wrap : {Wrap::kRepeat, Wrap::kClamp}) {
+  for (const Wrap wrap : {Wrap::kRepeat, Wrap::kClamp, Wrap::kMirror}) {
     const Texture t = texture_of(3, 5, std::vector<float>(15, 0.5f), wrap);
     for (const float u : odd)
       for (const float v : odd) EXPECT_NEAR(t.evaluate({u, v}).r, 0.5f, 1e-6f) << u << ' ' << v;
@@ -325,6 +354,18 @@ TEST(DecodeTexture, SurvivesDamage) {
         EXPECT_FALSE(image.error().message.empty());
     }
   }
+}
+
+TEST(DecodeTexture, TakesASingleChannelOnRequest) {
+  const std::string file = test::png(test::one_color(1, 1, Rgb{0.25f, 0.5f, 1}));
+  const auto texel = [&](TextureChannel channel, ColorSpace space) {
+    return decode_texture_image(file, space, channel)->texel(0, 0);
+  };
+  const Rgb color = decode_texture_image(file, ColorSpace::kLinear)->texel(0, 0);
+  EXPECT_EQ(texel(TextureChannel::kRed, ColorSpace::kLinear), Rgb::gray(color.r));
+  EXPECT_EQ(texel(TextureChannel::kGreen, ColorSpace::kLinear), Rgb::gray(color.g));
+  EXPECT_EQ(texel(TextureChannel::kBlue, ColorSpace::kSrgb), Rgb::gray(1));
+  EXPECT_LT(texel(TextureChannel::kRed, ColorSpace::kSrgb).g, color.r) << "decoded";
 }
 
 }  // namespace

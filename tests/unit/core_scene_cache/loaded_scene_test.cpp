@@ -72,6 +72,23 @@ TEST_F(LoadedScene, LosesNothing) {
   EXPECT_TRUE(Scene::build(*read, 1)->bvh() == Scene::build(fingerprint_scene(), 1)->bvh());
 }
 
+TEST_F(LoadedScene, KeepsMedia) {
+  SceneDescription scene = fingerprint_scene();
+  scene.grids = {{.size = {2, 1, 1}, .values = {1, 2}, .border = GridBorder::kZero}};
+  scene.media = {{.name = "smoke", .sigma_s = {1, 2, 3}, .g = 0.5f, .scattering_grid = 0}};
+  scene.materials[0].media.interior = 0;
+  scene.camera_medium = 0;
+  const auto read = passed(scene);
+  ASSERT_TRUE(read) << read.error().message;
+  const std::string first = read_file(path());
+  ASSERT_TRUE(passed(*read));
+  EXPECT_TRUE(read_file(path()) == first);
+  EXPECT_EQ(read->grids.at(0).values, scene.grids[0].values);
+  EXPECT_EQ(read->media.at(0).sigma_s, scene.media[0].sigma_s);
+  EXPECT_EQ(read->materials[0].media, scene.materials[0].media);
+  EXPECT_EQ(read->camera_medium, 0);
+}
+
 // A scene with keyframes of every kind.
 SceneDescription animated_scene() {
   SceneDescription scene = fingerprint_scene();
@@ -177,6 +194,7 @@ TEST_F(LoadedScene, ThatNoLoaderMakesIsRefused) {
   EXPECT_EQ(error_after([](SceneDescription&) {}), "no error");
   const std::function<void(SceneDescription&)> changes[] = {
       [](SceneDescription& s) { s.settings.integrator = static_cast<Integrator>(4); },
+      [](SceneDescription& s) { s.camera.type = static_cast<CameraType>(3); },
       [](SceneDescription& s) { s.settings.heuristic = static_cast<Heuristic>(-1); },
       [](SceneDescription& s) { s.settings.filter.kind = static_cast<FilterKind>(3); },
       [](SceneDescription& s) { s.display.tone_curve = static_cast<ToneCurve>(1 << 20); },
@@ -184,10 +202,16 @@ TEST_F(LoadedScene, ThatNoLoaderMakesIsRefused) {
       [](SceneDescription& s) { s.materials[0].model = Glass{.fresnel = static_cast<DielectricFresnel>(3)}; },
       [](SceneDescription& s) { s.materials[0].model = Phong{.lobe = static_cast<PhongLobe>(2)}; },
       [](SceneDescription& s) {
-        s.materials[0].model = CookTorrance{.conductor = static_cast<Conductor>(4)};
+        s.materials[0].model = CookTorrance{.conductor = static_cast<Conductor>(1000)};
       },
       [](SceneDescription& s) { s.materials[0].model = CookTorrance{.masking = static_cast<Masking>(2)}; },
-      [](SceneDescription& s) { s.textures[0].wrap = static_cast<Wrap>(2); },
+      [](SceneDescription& s) { s.textures[0].wrap = static_cast<Wrap>(3); },
+      [](SceneDescription& s) {
+        s.grids = {{.size = {1, 1, 1}, .values = {1}, .filter = static_cast<GridFilter>(2)}};
+      },
+      [](SceneDescription& s) {
+        s.grids = {{.size = {1, 1, 1}, .values = {1}, .border = static_cast<GridBorder>(2)}};
+      },
       [=](SceneDescription& s) { s.textures[0].scale.x = kNan; },
       [=](SceneDescription& s) { s.textures[0].offset.y = kInfinity; },
       [=](SceneDescription& s) {

@@ -31,7 +31,7 @@ INSTANTIATE_TEST_SUITE_P(Figures, SceneFile,
                                          "cook_torrance_sampling/visible_normals.json",
                                          "veach_mis/scene.json", "glass_and_water/no_fresnel.json",
                                          "glass_and_water/fresnel.json", "menagerie/scene.json",
-                                         "turntable/scene.json"));
+                                         "turntable/scene.json", "fog/scene.json", "swatches/scene.json"));
 
 json read(const std::string& path) {
   std::ifstream file(kScenes + path);

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// A PLY or STL file, and the mesh that is made of it in each way of computing normals.
+#include "core/scene/import/indexed_mesh.hpp"
+#include "core/scene/loader/gunzip.hpp"
+#include "core/scene/loader/mesh_file.hpp"
+#include "tests/fuzz/expect.hpp"
+#include "tests/fuzz/parts.hpp"
+
+namespace tessera::fuzz {
+namespace {
+
+void expect_sound(const core::MeshDescription& mesh) {
+  const std::size_t vertices = mesh.positions.size();
+  expect(mesh.normals.empty() || mesh.normals.size() == vertices, "a normal for each vertex, or none");
+  expect(mesh.uvs.empty() || mesh.uvs.size() == vertices, "texture coordinates for each vertex, or none");
+  expect(mesh.colors.empty() || mesh.colors.size() == vertices, "a colour for each vertex, or none");
+  expect(mesh.triangle_materials.size() == 1 || mesh.triangle_materials.size() == mesh.triangles.size(),
+         "a material for each triangle, or one");
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t vertex : triangle) expect(vertex < vertices, "corners are vertices");
+}
+
+void read_and_build(std::string_view input) {
+  const bool is_ply = input.starts_with("ply") || core::is_gzip(input);
+  const auto file = is_ply ? core::read_ply(input, "x.ply", {}, core::MeshAttributes::kKeep)
+                           : core::read_stl(input, "x.stl");
+  if (!expect_answer(file)) return;
+  for (const core::MeshAttribute& attribute : file->attributes)
+    expect(attribute.values.size() ==
+               (attribute.of_triangles ? file->mesh.triangles.size() : file->mesh.positions.size()),
+           "a value for each vertex or triangle");
+  for (const auto mode : {core::NormalsMode::kFile, core::NormalsMode::kSmooth, core::NormalsMode::kFlat}) {
+    core::FileWarnings warnings;
+    const auto mesh = core::build_indexed_mesh(file->mesh, mode, {}, core::VertexColors::kUse, warnings);
+    if (expect_answer(mesh)) expect_sound(*mesh);
+  }
+}
+
+}  // namespace
+}  // namespace tessera::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  tessera::fuzz::read_and_build(tessera::fuzz::as_text(data, size));
+  return 0;
+}

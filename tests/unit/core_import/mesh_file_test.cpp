@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// PLY and STL files: all encodings, types and names, and what is broken.
+#include "core/scene/loader/mesh_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <libdeflate.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "core/image/srgb.hpp"
+
+namespace tessera::core {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using Triangle = std::array<std::uint32_t, 3>;
+
+enum class Order { kLittle, kBig };
+
+// Appends values as bytes in one order.
+class Bytes {
+ public:
+  explicit Bytes(Order order, std::string begin = "") : order_(order), bytes_(std::move(begin)) {}
+
+  template <typename T>
+  Bytes& operator<<(T value) {
+    const auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
+    std::string text(raw.begin(), raw.end());
+    if ((order_ == Order::kBig) == (std::endian::native == std::endian::little))
+      std::reverse(text.begin(), text.end());
+    bytes_ += text;
+    return *this;
+  }
+  const std::string& str() const { return bytes_; }
+
+ private:
+  Order order_;
+  std::string bytes_;
+};
+
+MeshFile ply(const std::string& bytes, MeshAttributes attributes = MeshAttributes::kIgnore) {
+  auto file = read_ply(bytes, "m.ply", {}, attributes);
+  EXPECT_TRUE(file) << file.error().message;
+  return file ? std::move(*file) : MeshFile();
+}
+
+std::string ply_error(const std::string& bytes, const SceneLimit& limit = {}) {
+  const auto file = read_ply(bytes, "m.ply", limit);
+  return file ? "" : file.error().message;
+}
+
+constexpr const char* kAsciiTriangle =
+    "ply\nformat ascii 1.0\ncomment a triangle\nelement vertex 3\nproperty float x\nproperty float y\n"
+    "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    "0 0 0\n1 0 0\n0 1.5 1e-3\n3 0 1 2\n";
+
+TEST(Ply, ReadsText) {
+  const MeshFile file = ply(kAsciiTriangle);
+  EXPECT_THAT(file.mesh.positions, ElementsAre(Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1.5f, 1e-3f}));
+  EXPECT_THAT(file.mesh.triangles, ElementsAre(Triangle{0, 1, 2}));
+  EXPECT_THAT(file.mesh.triangle_materials, ElementsAre(0u));
+  EXPECT_THAT(file.mesh.normals, IsEmpty());
+  EXPECT_TRUE(file.warnings.empty());
+}
+
+TEST(Ply, ReadsBinaryFilesOfBothByteOrders) {
+  for (const Order order : {Order::kLittle, Order::kBig}) {
+    const std::string name = order == Order::kBig ? "binary_big_endian" : "binary_little_endian";
+    Bytes bytes(order, "ply\nformat " + name +
+                           " 1.0\nelement vertex 4\nproperty float x\nproperty double y\n"
+                           "property float32 z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+                           "property float s\nproperty float t\nelement face 2\n"
+                           "property uchar flags\nproperty list uint8 uint32 vertex_index\nend_header\n");
+    for (float i = 0; i < 4; ++i)
+      bytes << i << double{i * i} << 0.25f << 0.0f << 0.0f << 1.0f << i / 4 << 1 - i / 4;
+    bytes << std::uint8_t{7} << std::uint8_t{3} << 0u << 1u << 2u;
+    bytes << std::uint8_t{7} << std::uint8_t{3} << 0u << 2u << 3u;
+    const MeshFile file = ply(bytes.str());
+    ASSERT_EQ(file.mesh.positions.size(), 4u) << name;
+    EXPECT_EQ(file.mesh.positions[3], (Vec3{3, 9, 0.25f})) << name;
+    EXPECT_EQ(file.mesh.normals[2], (Vec3{0, 0, 1})) << name;
+    EXPECT_EQ(file.mesh.uvs[1], (Vec2{0.25f, 0.75f})) << name;
+    EXPECT_THAT(file.mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{0, 2, 3})) << name;
+    EXPECT_THAT(file.warnings.messages("m.ply"),
+                ElementsAre("m.ply: the property 'flags' of 'face' is not used"))
+        << name;
+  }
+}
+
+// A quad with extra text in the vertex element's properties and rows.
+std::string quad_with(const std::string& properties, const std::string& values) {
+  const std::string end = " " + values + "\n";
+  return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n" +
+         properties + "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0" + end +
+         "1 0 0" + end + "1 1 0" + end + "0 1 0" + end + "4 0 1 2 3\n";
+}
+
+TEST(Ply, TriangulatesPolygons) {
+  EXPECT_THAT(ply(quad_with("", "")).mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{0, 2, 3}));
+}
+
+TEST(Ply, KnowsTheUsualNamesOfTextureCoordinates) {
+  for (const auto& [u, v] : {std::pair("u", "v"), std::pair("s", "t"), std::pair("texture_u", "texture_v"),
+                             std::pair("texture_s", "texture_t")}) {
+    const std::string names = std::string("property float ") + u + "\nproperty float " + v + "\n";
+    EXPECT_THAT(ply(quad_with(names, "0.5 2")).mesh.uvs,
+                ElementsAre(Vec2{0.5f, 2}, Vec2{0.5f, 2}, Vec2{0.5f, 2}, Vec2{0.5f, 2}))
+        << u;
+  }
+}
+
+TEST(Ply, ReadsByteColorsAsSrgbAndFloatsAsLinear) {
+  const MeshFile bytes =
+      ply(quad_with("property uchar red\nproperty uchar green\nproperty uchar blue\n", "255 0 188"));
+  EXPECT_EQ(bytes.mesh.colors.at(0), (Rgb{1, 0, srgb_decode(std::uint8_t{188})}));
+  const MeshFile floats = ply(quad_with("property float r\nproperty float g\nproperty float b\n", "1 0 0.5"));
+  EXPECT_EQ(floats.mesh.colors.at(3), (Rgb{1, 0, 0.5f}));
+}
+
+TEST(Ply, IgnoresHalfOfAPair) {
+  const MeshFile file = ply(quad_with("property float u\nproperty float nx\n", "0 0"));
+  EXPECT_THAT(file.mesh.uvs, IsEmpty());
+  EXPECT_THAT(file.mesh.normals, IsEmpty());
+}
+
+TEST(Ply, KeepsOtherPropertiesOnRequest) {
+  const MeshFile file = ply(quad_with("property float heat\n", "0.25"), MeshAttributes::kKeep);
+  ASSERT_EQ(file.attributes.size(), 1u);
+  EXPECT_EQ(file.attributes[0].name, "heat");
+  EXPECT_THAT(file.attributes[0].values, ElementsAre(0.25f, 0.25f, 0.25f, 0.25f));
+}
+
+TEST(Ply, ReadsValuesOfFacesForEachOfTheirTriangles) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 2\nproperty list uchar int vertex_indices\nproperty int material_index\n"
+      "property float face_id\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 5 0.5\n3 0 1 2 2 1.5\n";
+  const MeshFile file = ply(text, MeshAttributes::kKeep);
+  EXPECT_THAT(file.mesh.triangle_materials, ElementsAre(5u, 5u, 2u));
+  ASSERT_EQ(file.attributes.size(), 1u);
+  EXPECT_TRUE(file.attributes[0].of_triangles);
+  EXPECT_THAT(file.attributes[0].values, ElementsAre(0.5f, 0.5f, 1.5f));
+}
+
+TEST(Ply, ReadsTriangleStrips) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+      "element tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+      "2 2 0\n8 0 1 2 3 -1 2 3 4\n";
+  EXPECT_THAT(ply(text).mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{2, 1, 3}, Triangle{2, 3, 4}));
+}
+
+TEST(Ply, DecompressesGzip) {
+  const std::string text = kAsciiTriangle;
+  std::string packed(1000, '\0');
+  libdeflate_compressor* compressor = libdeflate_alloc_compressor(6);
+  packed.resize(libdeflate_gzip_compress(compressor, text.data(), text.size(), packed.data(), packed.size()));
+  libdeflate_free_compressor(compressor);
+  EXPECT_EQ(ply(packed).mesh.positions.size(), 3u);
+  EXPECT_THAT(ply_error(packed.substr(0, packed.size() - 9)), HasSubstr("'m.ply' "));
+}
+
+TEST(Ply, SaysWhatIsBroken) {
+  EXPECT_EQ(ply_error("solid"), "'m.ply' is no PLY file: it does not begin with 'ply'");
+  EXPECT_THAT(ply_error("ply\nformat ascii 1.0\n"), HasSubstr("'end_header' is missing"));
+  EXPECT_THAT(ply_error("ply\nformat odd 1.0\n"), HasSubstr("line 2: there is no format 'odd'"));
+  EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\n"),
+              HasSubstr("line 4: there is no type 'half'"));
+  std::string text = kAsciiTriangle;
+  EXPECT_THAT(ply_error(text.substr(0, text.size() - 3)), HasSubstr("it ends among the rows of 'face'"));
+  text.replace(text.find("1.5"), 3, "1,5");
+  EXPECT_THAT(ply_error(text), HasSubstr("a row of 'vertex' has something else than numbers"));
+  EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+                        "property float z\nend_header\n0 0 0\n"),
+              HasSubstr("has no faces"));
+}
+
+TEST(Ply, RefusesRowsThatCannotBeThereBeforeItTakesMemory) {
+  const std::string header =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  EXPECT_THAT(ply_error(header + "0123"), HasSubstr("too short for the 4000000000 rows of 'vertex'"));
+  std::string text = kAsciiTriangle;
+  text.replace(text.find("3 0 1 2"), 1, "300000000");
+  EXPECT_THAT(ply_error(text), HasSubstr("is a broken PLY file"));
+}
+
+TEST(Ply, KeepsWithinTheLimit) {
+  EXPECT_EQ(ply_error(quad_with("", ""), {.most = 1, .option = "--triangles"}),
+            "'m.ply' has more than the 1 triangles that a scene may have here (--triangles)");
+  EXPECT_EQ(ply_error(quad_with("", ""), {.most = 2, .option = "--triangles"}), "");
+}
+
+TEST(Ply, LeavesOutFacesThatNameNoVertex) {
+  std::string text = quad_with("", "");
+  text.replace(text.find("element face 1"), 14, "element face 2");
+  const MeshFile file = ply(text + "4 0 1 2 9\n");
+  EXPECT_EQ(file.mesh.triangles.size(), 2u);
+  EXPECT_FALSE(file.warnings.empty());
+}
+
+std::string stl_error(const std::string& bytes) {
+  const auto file = read_stl(bytes, "m.stl");
+  return file ? "" : file.error().message;
+}
+
+TEST(Stl, ReadsTextAndMergesEqualCorners) {
+  const std::string text =
+      "solid part\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 1 0\n"
+      "  endloop\n endfacet\n facet normal 0 0 1\n  outer loop\n   vertex 1 0 0\n   vertex 1 1 0\n"
+      "   vertex -0 1 0\n  endloop\n endfacet\nendsolid part\n";
+  const auto file = read_stl(text, "m.stl");
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_THAT(file->mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{1, 3, 2}));
+  EXPECT_EQ(file->mesh.positions.size(), 4u);
+}
+
+TEST(Stl, ReadsBinaryFilesAlsoIfTheyBeginWithSolid) {
+  Bytes bytes(Order::kLittle, "solid of a program that does not know better" + std::string(36, ' '));
+  bytes << 1u;
+  for (const float value : {0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 2.0f, 0.0f, 0.0f, 0.0f, 3.0f, 0.5f})
+    bytes << value;
+  bytes << std::uint16_t{0};
+  const auto file = read_stl(bytes.str(), "m.stl");
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_THAT(file->mesh.positions, ElementsAre(Vec3{0, 0, 0}, Vec3{2, 0, 0}, Vec3{0, 3, 0.5f}));
+  std::string cut = bytes.str().substr(0, bytes.str().size() - 1);
+  cut[0] = 'S';
+  EXPECT_EQ(stl_error(cut), "'m.stl' is a broken STL file (it ends too early)");
+}
+
+TEST(Stl, ReadsTrianglesThatShareNoCorner) {
+  for (const std::uint32_t count : {3u, 7u, 100u}) {
+    Bytes bytes(Order::kLittle, std::string(80, ' '));
+    bytes << count;
+    float x = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      for (int k = 0; k < 12; ++k) bytes << ++x;
+      bytes << std::uint16_t{0};
+    }
+    const auto file = read_stl(bytes.str(), "m.stl");
+    ASSERT_TRUE(file) << file.error().message;
+    EXPECT_EQ(file->mesh.positions.size(), 3 * count);
+  }
+}
+
+TEST(Stl, SaysWhatIsBroken) {
+  EXPECT_THAT(stl_error("solid a\nvertex 1 2\n"), HasSubstr("line 2: 'vertex' needs three numbers"));
+  EXPECT_THAT(stl_error("solid a\nouter loop\nvertex 1 2 3\nendloop\n"), HasSubstr("line 4: a loop needs"));
+  EXPECT_EQ(stl_error("solid a\nendsolid a\n"), "'m.stl' has no triangles");
+}
+
+}  // namespace
+}  // namespace tessera::core

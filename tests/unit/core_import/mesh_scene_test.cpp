@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bare meshes as scenes, and PLY and STL files in scenes of our own format.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/scene/import/scene_bounds.hpp"
+#include "core/scene/scene.hpp"
+#include "tests/unit/core_scene/memory_assets.hpp"
+
+namespace tessera::core {
+namespace {
+
+using test::MemoryAssets;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+// A roof of two triangles; `more` are further properties of faces, `first` and `second` their values.
+std::string roof_ply(const std::string& more = "", const std::string& first = "",
+                     const std::string& second = "") {
+  return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+         "property float red\nproperty float green\nproperty float blue\nelement face 2\n"
+         "property list uchar int vertex_indices\n" +
+         more + "end_header\n0 0 0 1 0 0\n2 0 0 1 0 0\n2 1 1 1 0 0\n0 1 1 1 0 0\n3 0 1 2 " + first +
+         "\n3 0 2 3 " + second + "\n";
+}
+
+constexpr const char* kTriangleStl =
+    "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 2\nendloop\nendfacet\n"
+    "endsolid t\n";
+
+Result<SceneDescription> load_bare(const std::string& name, const std::string& content) {
+  MemoryAssets assets({{name, content}});
+  return load_scene(assets, name, "folder/" + name);
+}
+
+SceneDescription bare(const std::string& name, const std::string& content) {
+  auto scene = load_bare(name, content);
+  EXPECT_TRUE(scene) << scene.error().message;
+  return scene ? std::move(*scene) : SceneDescription();
+}
+
+// Whether the camera sees the corners of the scene's bounds.
+bool sees_all(const SceneDescription& scene) {
+  const Aabb box = scene_bounds(scene);
+  const CameraDescription& c = scene.camera;
+  const Vec3 view = normalize(c.look_at - c.position);
+  const Vec3 right = normalize(cross(view, c.up));
+  const Vec3 up = cross(right, view);
+  const float reach = 0.36397f;  // tan(20 degrees)
+  const float aspect =
+      static_cast<float>(scene.settings.width_px) / static_cast<float>(scene.settings.height_px);
+  for (const float x : {box.lower.x, box.upper.x})
+    for (const float y : {box.lower.y, box.upper.y})
+      for (const float z : {box.lower.z, box.upper.z}) {
+        const Vec3 to = Vec3{x, y, z} - c.position;
+        const float depth = dot(to, view);
+        if (!(std::fabs(dot(to, up)) < reach * depth)) return false;
+        if (!(std::fabs(dot(to, right)) < reach * aspect * depth)) return false;
+      }
+  return true;
+}
+
+TEST(BareMesh, GetsACameraThatSeesItAllAndAStudio) {
+  for (const auto& [name, content] : MemoryAssets::Files{
+           {"roof.ply", roof_ply()}, {"t.stl", kTriangleStl}, {"t.obj", test::kTriangleObj}}) {
+    SceneDescription scene = bare(name, content);
+    EXPECT_TRUE(sees_all(scene)) << name;
+    ASSERT_TRUE(scene.environment) << name;
+    EXPECT_THAT(scene.materials, SizeIs(1)) << name;
+    const auto built = Scene::build(std::move(scene), 1);
+    EXPECT_TRUE(built) << name << ": " << built.error().message;
+  }
+}
+
+TEST(BareMesh, OfAPrinterStandsUpright) {
+  EXPECT_EQ(bare("t.stl", kTriangleStl).camera.up, (Vec3{0, 0, 1}));
+  EXPECT_EQ(bare("roof.ply", roof_ply()).camera.up, (Vec3{0, 1, 0}));
+}
+
+TEST(BareMesh, IsRecognisedByItsContent) {
+  EXPECT_THAT(bare("scan", roof_ply()).shapes, SizeIs(1));
+}
+
+TEST(BareMesh, IsRefusedWithItsNameIfBroken) {
+  const auto scene = load_bare("t.ply", "ply\n");
+  ASSERT_FALSE(scene);
+  EXPECT_THAT(scene.error().message, HasSubstr("folder/t.ply: 't.ply' is a broken PLY file"));
+}
+
+TEST(Formats, WithoutReaderAreRefusedByASentence) {
+  const auto scene = load_bare("t.xyz", "nonsense");
+  ASSERT_FALSE(scene);
+  EXPECT_THAT(scene.error().message, HasSubstr("folder/t.xyz"));
+}
+
+SceneDescription with_mesh(const std::string& mesh, const MemoryAssets::Files& files) {
+  auto scene = test::load(test::scene_with("", R"("a": {"type": "lambert"}, "b": {"type": "mirror"})",
+                                           R"({"type": "mesh", )" + mesh + "}"),
+                          files);
+  EXPECT_TRUE(scene) << scene.error().message;
+  return scene ? std::move(*scene) : SceneDescription();
+}
+
+const MeshDescription& mesh_of(const SceneDescription& scene) {
+  return *std::get_if<MeshDescription>(&scene.shapes.at(0));
+}
+
+TEST(MeshOfAScene, ComesFromPlyAndStlFiles) {
+  const SceneDescription ply = with_mesh(R"("file": "m.ply", "material": "a")", {{"m.ply", roof_ply()}});
+  EXPECT_THAT(mesh_of(ply).triangles, SizeIs(2));
+  EXPECT_THAT(mesh_of(ply).colors, IsEmpty()) << "a material replaces vertex colours";
+  EXPECT_EQ(mesh_of(ply).normals.size(), mesh_of(ply).positions.size()) << "computed";
+  const SceneDescription stl =
+      with_mesh(R"("file": "m.stl", "material": "a", "normals": "flat", "transform": [{"scale": 2}])",
+                {{"m.stl", kTriangleStl}});
+  EXPECT_THAT(mesh_of(stl).normals, IsEmpty());
+  EXPECT_EQ(mesh_of(stl).positions.at(2), (Vec3{0, 0, 4}));
+}
+
+TEST(MeshOfAScene, CanUseVertexColorsWithAMaterial) {
+  const SceneDescription scene =
+      with_mesh(R"("file": "m.ply", "material": "a", "vertex_colors": "use")", {{"m.ply", roof_ply()}});
+  EXPECT_EQ(mesh_of(scene).colors.at(0), (Rgb{1, 0, 0}));
+}
+
+TEST(MeshOfAScene, TakesMaterialsByIndex) {
+  const std::string file = roof_ply("property int material_index\n", "1", "0");
+  const SceneDescription scene = with_mesh(R"("file": "m.ply", "materials": ["a", "b"])", {{"m.ply", file}});
+  EXPECT_EQ(scene.materials.at(mesh_of(scene).triangle_materials.at(0)).name, "b");
+  EXPECT_EQ(scene.materials.at(mesh_of(scene).triangle_materials.at(1)).name, "a");
+  const auto mistakes = [&](const std::string& mesh) {
+    return test::mistakes_in(
+        test::scene_with("", R"("a": {"type": "lambert"})", R"({"type": "mesh", )" + mesh + "}"),
+        {{"m.ply", file}});
+  };
+  EXPECT_THAT(mistakes(R"("file": "m.ply", "materials": ["a"])"),
+              HasSubstr("'m.ply' has the material_index 1, but there are 1 'materials'"));
+  EXPECT_THAT(mistakes(R"("file": "triangle.obj", "materials": ["a"])"),
+              HasSubstr("'materials' is for PLY files"));
+}
+
+}  // namespace
+}  // namespace tessera::core

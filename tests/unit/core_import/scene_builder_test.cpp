@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/import/scene_builder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "core/scene/import/indexed_mesh.hpp"
+#include "core/scene/import/mesh_repair.hpp"
+#include "core/scene/import/scene_bounds.hpp"
+#include "core/scene/import/scene_counts.hpp"
+#include "tests/unit/core_scene/memory_assets.hpp"
+
+namespace tessera::core {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::SizeIs;
+
+MeshDescription triangle() {
+  MeshDescription mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.triangles = {{0, 1, 2}};
+  mesh.triangle_materials = {0};
+  return mesh;
+}
+
+class SceneBuilderTest : public testing::Test {
+ protected:
+  SceneBuilderTest()
+      : assets_({{"a.png", test::png(test::one_color(2, 2, Rgb{0.5f, 0.25f, 1}))},
+                 {"Textures/Wood.PNG", test::png(test::one_color(1, 1, Rgb{}))}}) {
+    limits_.triangles = {.most = 10, .option = "--triangles"};
+  }
+
+  test::MemoryAssets assets_;
+  SceneLimits limits_;
+  SceneBuilder builder_{assets_, "s.xyz", "folder/s.xyz", limits_};
+};
+
+TEST_F(SceneBuilderTest, DecodesAnImageOnceAndKeepsEqualTexturesOnce) {
+  const auto first = builder_.add_texture("a.png", {});
+  const auto second = builder_.add_texture("a.png", {});
+  const auto red = builder_.add_texture("a.png", {ColorSpace::kLinear, TextureChannel::kRed});
+  ASSERT_TRUE(first && second && red);
+  EXPECT_EQ(*first, *second);
+  EXPECT_NE(*first, *red);
+  const auto& image = *builder_.scene().textures[static_cast<std::size_t>(*red)].image;
+  EXPECT_EQ(image.texel(0, 0), Rgb::gray(188.0f / 255)) << "the code of 0.5 in sRGB, in all channels";
+}
+
+TEST_F(SceneBuilderTest, DecodesImagesInMemory) {
+  const std::string bytes = test::png(test::one_color(1, 1, Rgb{0.5f, 0.25f, 1}));
+  const auto blue =
+      builder_.image_bytes("s.xyz, image 0", bytes, {ColorSpace::kLinear, TextureChannel::kBlue});
+  ASSERT_TRUE(blue);
+  EXPECT_EQ((*blue)->texel(0, 0), Rgb::gray(1));
+  const auto broken = builder_.image_bytes("s.xyz, image 1", "nonsense", {});
+  ASSERT_FALSE(broken);
+  EXPECT_THAT(broken.error().message, HasSubstr("'s.xyz, image 1'"));
+}
+
+TEST_F(SceneBuilderTest, RepairsMeshesAndCountsWhatItChanges) {
+  MeshDescription mesh = triangle();
+  mesh.triangles.push_back({0, 1, 9});
+  mesh.triangles.push_back({0, 0, 1});
+  mesh.normals = {{0, 0, 1}, {0, 0, 0}, {0, 0, 1}};
+  mesh.uvs = {{0, 0}};
+  ASSERT_TRUE(builder_.add_mesh(std::move(mesh), "t", std::nullopt, "s.xyz", 7));
+  builder_.default_material();
+  const auto scene = builder_.finish({});
+  ASSERT_TRUE(scene) << scene.error().message;
+  const auto& kept = *std::get_if<MeshDescription>(&scene->shapes.at(0));
+  EXPECT_THAT(kept.triangles, SizeIs(1));
+  EXPECT_EQ(kept.normals.at(1), (Vec3{0, 0, 1}));
+  EXPECT_TRUE(kept.uvs.empty());
+  EXPECT_THAT(scene->warnings,
+              ElementsAre(HasSubstr("folder/s.xyz:7: triangles whose corners"), HasSubstr("normals without"),
+                          HasSubstr("texture coordinates are ignored")));
+}
+
+TEST_F(SceneBuilderTest, RefusesMoreTrianglesThanTheLimit) {
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(builder_.add_mesh(triangle(), "t", std::nullopt, "s.xyz")) << i;
+  const auto more = builder_.add_mesh(triangle(), "t", std::nullopt, "b.ply");
+  ASSERT_FALSE(more);
+  EXPECT_EQ(more.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_THAT(more.error().message, HasSubstr("(--triangles)"));
+}
+
+TEST_F(SceneBuilderTest, RemovesObjectsThatHaveNoShape) {
+  const auto empty = builder_.add_object("empty");
+  const auto full = builder_.add_object("full");
+  builder_.default_material();
+  MeshDescription flat = triangle();
+  flat.positions[2] = {2, 0, 0};
+  ASSERT_TRUE(builder_.add_mesh(std::move(flat), "flat", empty, "s.xyz"));
+  ASSERT_TRUE(builder_.add_mesh(triangle(), "t", full, "s.xyz"));
+  builder_.add_instance(empty, Transform(), "i");
+  builder_.add_instance(full, translation({5, 0, 0}), "j");
+  const auto scene = builder_.finish({});
+  ASSERT_TRUE(scene) << scene.error().message;
+  ASSERT_THAT(scene->objects, SizeIs(1));
+  ASSERT_THAT(scene->shapes, SizeIs(1));
+  EXPECT_EQ(std::get_if<InstanceDescription>(&scene->shapes[0])->object, 0u);
+  EXPECT_EQ(scene_bounds(*scene).upper, (Vec3{6, 1, 0}));
+}
+
+TEST_F(SceneBuilderTest, KeepsCameraAndLightsOfTheFile) {
+  builder_.default_material();
+  ASSERT_TRUE(builder_.add_mesh(triangle(), "t", std::nullopt, "s.xyz"));
+  builder_.set_camera({.position = {0, 0, 9}});
+  builder_.add_light(PointLightDescription{{0, 0, 1}, Rgb::gray(1)});
+  const auto scene = builder_.finish({});
+  ASSERT_TRUE(scene);
+  EXPECT_EQ(scene->camera.position, (Vec3{0, 0, 9}));
+  EXPECT_FALSE(scene->environment);
+}
+
+TEST_F(SceneBuilderTest, RefusesAFileWithoutShapes) {
+  const auto scene = builder_.finish({});
+  ASSERT_FALSE(scene);
+  EXPECT_EQ(scene.error().message, "folder/s.xyz: has no shape that can be rendered");
+}
+
+TEST(MeshRepair, KeepsTheOutsideUnderReflections) {
+  MeshDescription mesh = triangle();
+  mesh.normals = {{0, 0, 2}, {0, 0, 2}, {0, 0, 2}};
+  transform_mesh(mesh, scaling({-1, 1, 1}));
+  EXPECT_EQ(mesh.triangles[0], (std::array<std::uint32_t, 3>{0, 2, 1}));
+  EXPECT_EQ(mesh.normals[0], (Vec3{0, 0, 1}));
+}
+
+TEST(MeshRepair, ClampsColorsAndDropsWhatIsNotFinite) {
+  MeshDescription mesh = triangle();
+  mesh.positions.push_back({std::numeric_limits<float>::quiet_NaN(), 0, 0});
+  mesh.triangles.push_back({0, 1, 3});
+  mesh.colors = {{2, 0, 0}, {0, 0, 0}, {0, -1, 0}, {0, 0, 0}};
+  const MeshRepairs repairs = repair_mesh(mesh);
+  EXPECT_EQ(repairs.broken_triangles, 1u);
+  EXPECT_EQ(repairs.clamped_colors, 2u);
+  EXPECT_EQ(mesh.colors[0], (Rgb{1, 0, 0}));
+  EXPECT_THAT(mesh.triangles, SizeIs(1));
+}
+
+// Two triangles that share an edge, bent by the height of the last corner.
+MeshDescription bent(float height) {
+  MeshDescription mesh;
+  mesh.positions = {{0, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {1, 0, height}};
+  mesh.triangles = {{0, 1, 2}, {0, 3, 1}};
+  mesh.triangle_materials = {0};
+  return mesh;
+}
+
+TEST(IndexedMesh, IsSmoothExceptAtSharpEdges) {
+  FileWarnings warnings;
+  const auto build = [&](float height, NormalsMode mode) {
+    return *build_indexed_mesh(bent(height), mode, Transform(), VertexColors::kUse, warnings);
+  };
+  const MeshDescription smooth = build(0.2f, NormalsMode::kFile);
+  EXPECT_THAT(smooth.positions, SizeIs(4));
+  EXPECT_EQ(smooth.normals[0], smooth.normals[1]);
+  EXPECT_NE(smooth.normals[0], smooth.normals[3]);
+  EXPECT_THAT(build(2, NormalsMode::kFile).positions, SizeIs(6)) << "split at the edge";
+  EXPECT_THAT(build(2, NormalsMode::kSmooth).positions, SizeIs(4));
+  EXPECT_TRUE(build(2, NormalsMode::kFlat).normals.empty());
+}
+
+TEST(SceneCounts, CountInstancesAndWhatIsStored) {
+  SceneDescription scene;
+  scene.materials.resize(1);
+  scene.objects.resize(1);
+  scene.objects[0].shapes = {triangle()};
+  scene.shapes = {triangle(), InstanceDescription{}, InstanceDescription{}, SphereDescription{}};
+  const SceneCounts counts = count_scene(scene);
+  EXPECT_EQ(counts.triangles, 2u);
+  EXPECT_EQ(counts.triangles_with_instances, 3u);
+  EXPECT_EQ(counts.shapes.at("instance"), 2u);
+  EXPECT_EQ(counts.shapes.at("sphere"), 1u);
+  EXPECT_EQ(counts.materials.at("lambert"), 1u);
+}
+
+}  // namespace
+}  // namespace tessera::core
