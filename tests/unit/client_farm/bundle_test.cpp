@@ -42,7 +42,9 @@ TEST(Bundle, HoldsTheSceneAndEveryFileItReads) {
 }
 
 TEST(Bundle, RefusesInTheWordsOfALocalRender) {
-  const std::string path = kFolder + "/box.obj";
+  const TemporaryFolder folder;
+  const std::string path = folder.path() / "broken.json";
+  std::ofstream(path) << "{ \"camera\": 1 }\n";
   const auto local = bundle_scene(path, {});
   const auto here = core::load_scene_file(path);
   ASSERT_FALSE(local.has_value());

@@ -31,7 +31,7 @@ std::string volume(std::array<std::uint32_t, 3> size, const std::vector<float>& 
   bytes.append(24, '\0');  // bounds
   const std::size_t header = bytes.size();
   bytes.resize(header + values.size() * sizeof(float));
-  std::memcpy(bytes.data() + header, values.data(), values.size() * sizeof(float));
+  if (!values.empty()) std::memcpy(bytes.data() + header, values.data(), values.size() * sizeof(float));
   return bytes;
 }
 
