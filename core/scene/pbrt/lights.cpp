@@ -147,7 +147,9 @@ Status Lights::add_goniometric(const Parameters& p, const Matrix& to_world) {
   const std::string file = p.text("filename");
   auto mean_value = mean_of_image(p, file);
   if (!mean_value) return fail(mean_value.error());
-  report_.warn(p.place(), "the distribution of a goniometric light is not supported; it shines evenly");
+  report_.warn(
+      p.place(),
+      "the distribution of a goniometric light is not supported; it emits equally in all directions");
   PointLightDescription light;
   light.position = to_world.point(p.vector("from", {}));
   const float power = p.number("power", -1);

@@ -179,9 +179,9 @@ TEST(PbrtShapes, BrokenMeshesAreRepaired) {
 }
 
 TEST(PbrtShapes, LimitsOnTrianglesHold) {
-  MemoryAssets assets({{"scene.pbrt",
-                        "WorldBegin Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0] "
-                        "\"integer indices\" [0 1 2] \"integer levels\" 8"}});
+  MemoryAssets assets(MemoryAssets::Files{{"scene.pbrt",
+                                           "WorldBegin Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0] "
+                                           "\"integer indices\" [0 1 2] \"integer levels\" 8"}});
   SceneLimits limits;
   limits.triangles = {1000, "--max-triangles"};
   const auto loaded = load_scene(assets, "scene.pbrt", "scene.pbrt", limits);
