@@ -35,7 +35,7 @@ constexpr const char* kTriangleStl =
     "endsolid t\n";
 
 Result<SceneDescription> load_bare(const std::string& name, const std::string& content) {
-  MemoryAssets assets({{name, content}});
+  MemoryAssets assets(MemoryAssets::Files{{name, content}});
   return load_scene(assets, name, "folder/" + name);
 }
 

@@ -118,7 +118,7 @@ TEST(ParameterOverride, BecomesADefaultOfAMitsubaScene) {
 }
 
 TEST(ParameterOverride, IsRefusedForFormatsWithoutParameters) {
-  test::MemoryAssets files({{"a.pbrt", "WorldBegin"}});
+  test::MemoryAssets files(test::MemoryAssets::Files{{"a.pbrt", "WorldBegin"}});
   OverriddenAssets assets(files, "a.pbrt", {*parse_override("spp=64")});
   const auto text = assets.read("a.pbrt");
   ASSERT_FALSE(text);
