@@ -5,7 +5,8 @@
 #      command lines and the farm, for which optimising changes nothing, the shipped scenes in small, and the corpora of
 #      the fuzzers with mutants (tests/fuzz/README.md);
 #   2. an optimised build: first core and the command line without the farm, and so without gRPC; then, in the same folder,
-#      everything, and all other tests. core is compiled a second time for AVX-512 where the processor has it.
+#      everything, and all other tests. core is compiled a second time for AVX-512 where the processor has it, and once for
+#      any processor, whose images are compared.
 # Ends with an error at the first pass that fails. Skipped tests are named, with the reason.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -36,6 +37,9 @@ ASAN_OPTIONS=detect_stack_use_after_return=1 \
 heading "Pass 2 of 2: optimised, without the farm"
 build tests -DTESSERA_FARM=OFF client_test
 run_tests tests "$jobs" --tests-regex '^client_test\.'
+
+heading "Pass 2 of 2: for any processor"
+build portable "" tessera
 
 heading "Pass 2 of 2: optimised"
 grep -qw avx512dq /proc/cpuinfo && avx512=ON || avx512=OFF

@@ -23,6 +23,9 @@ pkg_check_modules(deflate REQUIRED IMPORTED_TARGET libdeflate)
 pkg_check_modules(microhttpd REQUIRED IMPORTED_TARGET libmicrohttpd)
 pkg_check_modules(gnutls REQUIRED IMPORTED_TARGET gnutls)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
+if(TESSERA_PORTABLE)
+  find_path(SIMDE_INCLUDE_DIR simde/x86/avx2.h REQUIRED)  # header-only, without CMake package
+endif()
 
 if(TESSERA_FARM)
   find_package(Protobuf REQUIRED)

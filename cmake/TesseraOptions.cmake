@@ -1,18 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
 # Every target links tessera::options: warnings, sanitizers, and the flags behind "the same bytes on every machine".
 #
-# x86-64-v3 (AVX2) is the minimum. Targets of TesseraVariants.cmake are also compiled for x86-64-v4
+# On x86-64, v3 (AVX2) is the minimum. Targets of TesseraVariants.cmake are also compiled for x86-64-v4
 # (AVX-512), which has twice the registers, and masks; the compiler's own use of 512-bit vectors does not
-# help, only core's explicit use. Contraction of a*b+c into one rounding is off, so that rendered images do
+# help, only core's explicit use. With TESSERA_PORTABLE, everything is compiled for any processor that the
+# compiler compiles for, with vectors by SIMDe (core/math/vector_instructions.hpp). Contraction of a*b+c into one rounding is off, so that rendered images do
 # not depend on the compiler. Nothing is compiled for the build machine alone.
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+  set(portable OFF)
+else()
+  set(portable ON)
+endif()
+option(TESSERA_PORTABLE "Compile for any processor instead of x86-64-v3" ${portable})
+
 add_library(tessera_options INTERFACE)
 add_library(tessera::options ALIAS tessera_options)
 target_include_directories(tessera_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(tessera_options INTERFACE
-  "$<IF:$<BOOL:$<TARGET_PROPERTY:TESSERA_AVX512>>,-march=x86-64-v4;-mprefer-vector-width=256,-march=x86-64-v3>"
   -ffp-contract=off -fno-math-errno
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wunused -Woverloaded-virtual
   -Wnull-dereference -Wimplicit-fallthrough)
+if(NOT TESSERA_PORTABLE)
+  target_compile_options(tessera_options INTERFACE
+    "$<IF:$<BOOL:$<TARGET_PROPERTY:TESSERA_AVX512>>,-march=x86-64-v4;-mprefer-vector-width=256,-march=x86-64-v3>")
+endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12 reports null dereferences and overlapping copies inside its own inlined library code (bug 105651).
   target_compile_options(tessera_options INTERFACE -Wno-null-dereference -Wno-restrict)

@@ -4,6 +4,9 @@
 # one that the processor is good for (ld.so(8)). Both compute the same, to the bit.
 option(TESSERA_AVX512 "Compile core a second time, for processors with AVX-512" OFF)
 if(TESSERA_AVX512)
+  if(TESSERA_PORTABLE)
+    message(FATAL_ERROR "TESSERA_AVX512 and TESSERA_PORTABLE exclude each other")
+  endif()
   set(CMAKE_BUILD_RPATH "$ORIGIN/../lib")  # bin/ and lib/ may be moved together
 endif()
 

@@ -77,6 +77,8 @@ test=(
   # The example of a client in Python.
   python3-grpcio
   python3-protobuf
+  # Vectors on any processor.
+  libsimde-dev
   # Tests of the scene file's JSON Schema.
   libvalijson-dev
   # The completions of the command line, in the shells that they are for.

@@ -6,8 +6,10 @@ namespace tessera::core {
 std::string_view instruction_set() {
 #ifdef __AVX512F__
   return "x86-64-v4";
-#else
+#elif defined(__AVX2__)
   return "x86-64-v3";
+#else
+  return "portable";
 #endif
 }
 

@@ -6,7 +6,7 @@
 
 namespace tessera::core {
 
-// The x86-64 level that core is compiled for: "x86-64-v3" (AVX2) or "x86-64-v4" (AVX-512).
+// What core is compiled for: "x86-64-v3" (AVX2), "x86-64-v4" (AVX-512) or "portable", any processor.
 std::string_view instruction_set();
 
 }  // namespace tessera::core

@@ -37,6 +37,20 @@ class WordLanes {
   alignas(32) std::uint32_t values_[kLaneCount];
 };
 
+// f of the numbers in each lane, for functions that have no vector form.
+template <typename F, typename... Floats>
+Float8 in_each_lane(const F& f, Float8 first, Floats... others) {
+  FloatLanes results;
+  [&](const FloatLanes& a, const auto&... more) {
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) results.set(lane, f(a[lane], more[lane]...));
+  }(FloatLanes(first), FloatLanes(others)...);
+  return results.all();
+}
+template <typename F, typename... Floats>
+float in_each_lane(const F& f, float first, Floats... others) {
+  return f(first, others...);
+}
+
 class Vec3Lanes {
  public:
   Vec3Lanes() = default;

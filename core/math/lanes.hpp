@@ -5,6 +5,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <type_traits>
 
 namespace tessera::core {
 
@@ -44,6 +45,10 @@ constexpr double select(bool mask, double a, double b) {
   return mask ? a : b;
 }
 
+constexpr bool select_mask(bool mask, bool a, bool b) {
+  return mask ? a : b;
+}
+
 // The larger one, or the first if they are equal or either is NaN, as std::max; likewise the smaller one.
 template <typename T>
 T larger(T a, T b) {
@@ -52,6 +57,12 @@ T larger(T a, T b) {
 template <typename T>
 T smaller(T a, T b) {
   return select(b < a, b, a);
+}
+
+// As std::clamp.
+template <typename T>
+T clamp_between(T x, std::type_identity_t<T> low, std::type_identity_t<T> high) {
+  return select(x < low, low, select(high < x, high, x));
 }
 
 constexpr std::uint32_t as_bits(float x) {

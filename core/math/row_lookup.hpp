@@ -28,12 +28,11 @@ std::array<float, kCount> look_up_row(const float* table, std::uint32_t index) {
   for (std::uint32_t i = 0; i < kCount; ++i) row[i] = table[index + i];
   return row;
 }
-template <std::size_t kCount>
-std::array<Float8, kCount> look_up_row(const float* table, U32x8 index) {
-  const WordLanes of_lane(index);
+// The numbers at row_at(lane), for each lane.
+template <std::size_t kCount, typename RowAt>
+std::array<Float8, kCount> load_rows(const RowAt& row_at) {
   const auto pair = [&](std::size_t lane) {  // the rows of lanes `lane` and `lane` + 4
-    return _mm256_set_m128(load_row<kCount>(table + of_lane[lane + 4]),
-                           load_row<kCount>(table + of_lane[lane]));
+    return _mm256_set_m128(load_row<kCount>(row_at(lane + 4)), load_row<kCount>(row_at(lane)));
   };
   const __m256 a = pair(0), b = pair(1), c = pair(2), d = pair(3);
   const __m256 ab_low = _mm256_unpacklo_ps(a, b), cd_low = _mm256_unpacklo_ps(c, d);
@@ -44,6 +43,11 @@ std::array<Float8, kCount> look_up_row(const float* table, U32x8 index) {
   if constexpr (kCount > 2) columns[2] = _mm256_shuffle_ps(ab_high, cd_high, 0x44);
   if constexpr (kCount > 3) columns[3] = _mm256_shuffle_ps(ab_high, cd_high, 0xee);
   return columns;
+}
+template <std::size_t kCount>
+std::array<Float8, kCount> look_up_row(const float* table, U32x8 index) {
+  const WordLanes of_lane(index);
+  return load_rows<kCount>([&](std::size_t lane) { return table + of_lane[lane]; });
 }
 template <std::size_t kCount>
 std::array<U32x8, kCount> look_up_row(const std::uint32_t* table, U32x8 index) {

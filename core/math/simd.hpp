@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eight floats, and four or eight doubles, on AVX2. Each lane is rounded like the scalar operation, so both
+// Eight floats, and four or eight doubles. Each lane is rounded like the scalar operation, so both
 // forms of a formula give the same bits. Comparisons with NaN are false, except for !=.
 #pragma once
-
-#include <immintrin.h>
 
 #include <array>
 #include <cstddef>
@@ -11,6 +9,7 @@
 #include <type_traits>
 
 #include "core/math/lanes.hpp"
+#include "core/math/vector_instructions.hpp"
 
 namespace tessera::core {
 
@@ -48,6 +47,10 @@ inline Mask8 operator|(Mask8 a, Mask8 b) {
 }
 inline Mask8 operator!(Mask8 a) {
   return _mm256_xor_ps(a.v, Mask8(true).v);
+}
+// `a` where the mask is set, else `b`.
+inline Mask8 select_mask(Mask8 mask, Mask8 a, Mask8 b) {
+  return _mm256_blendv_ps(b.v, a.v, mask.v);
 }
 inline bool any(Mask8 mask) {
   return mask.bits() != 0;
@@ -127,7 +130,7 @@ inline Float8 floor(Float8 a) {
 }
 // Rounds to the nearest integer, ties to even.
 inline Float8 nearbyint(Float8 a) {
-  return {_mm256_round_ps(a.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC)};
+  return {_mm256_round_ps(a.v, _MM_FROUND_TO_NEAREST_INT)};
 }
 // Whether the sign bit of each lane is set.
 inline Mask8 signbit(Float8 a) {
@@ -138,13 +141,13 @@ inline Float8 copysign(Float8 magnitude, Float8 sign) {
 }
 // a * b + c, a * b - c and c - a * b, rounded once.
 inline Float8 multiply_add(Float8 a, Float8 b, Float8 c) {
-  return {_mm256_fmadd_ps(a.v, b.v, c.v)};
+  return {fused_multiply_add(a.v, b.v, c.v)};
 }
 inline Float8 multiply_subtract(Float8 a, Float8 b, Float8 c) {
-  return {_mm256_fmsub_ps(a.v, b.v, c.v)};
+  return {fused_multiply_subtract(a.v, b.v, c.v)};
 }
 inline Float8 negative_multiply_add(Float8 a, Float8 b, Float8 c) {
-  return {_mm256_fnmadd_ps(a.v, b.v, c.v)};
+  return {fused_negative_multiply_add(a.v, b.v, c.v)};
 }
 // `a` where the mask is set, else `b`.
 inline Float8 select(Mask8 mask, Float8 a, Float8 b) {
@@ -264,10 +267,10 @@ inline Double4 copysign(Double4 magnitude, Double4 sign) {
 }
 // a * b - c and c - a * b, rounded once.
 inline Double4 multiply_subtract(Double4 a, Double4 b, Double4 c) {
-  return {_mm256_fmsub_pd(a.v, b.v, c.v)};
+  return {fused_multiply_subtract(a.v, b.v, c.v)};
 }
 inline Double4 negative_multiply_add(Double4 a, Double4 b, Double4 c) {
-  return {_mm256_fnmadd_pd(a.v, b.v, c.v)};
+  return {fused_negative_multiply_add(a.v, b.v, c.v)};
 }
 // `a` in the lanes whose bits are set, else `b`.
 inline Double4 select(unsigned bits, Double4 a, Double4 b) {

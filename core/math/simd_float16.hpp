@@ -4,8 +4,6 @@
 // processors.
 #pragma once
 
-#include <immintrin.h>
-
 #include <cstdint>
 
 #include "core/math/simd_double8.hpp"

@@ -21,6 +21,13 @@ inline U32x8 to_word(Float8 x) {
   return _mm256_cvttps_epi32(x.v);
 }
 
+inline std::uint32_t smaller_word(std::uint32_t a, std::uint32_t b) {
+  return b < a ? b : a;
+}
+inline U32x8 smaller_word(U32x8 a, U32x8 b) {
+  return min(a, b);
+}
+
 // table[index], of each lane.
 inline float look_up(const float* table, std::uint32_t index) {
   return table[index];
