@@ -90,32 +90,42 @@ void RenderCounters::add(const RenderCounters& other) {
     first_non_finite = other.first_non_finite;
 }
 
-FilmTile::FilmTile(PixelRect tile_rect, SampleRange sample_range)
+FilmTile::FilmTile(PixelRect tile_rect, SampleRange sample_range, LayerSet tile_layers)
     : rect(tile_rect),
       range(sample_range),
       sums(channel_count(tile_rect)),
-      odd_sums(channel_count(tile_rect)) {}
+      odd_sums(channel_count(tile_rect)),
+      layers(tile_layers) {
+  if (!layers.empty()) planes.resize(film_layout(layers).planes());
+}
 
 void FilmTile::append(const FilmTile& next) {
-  assert(next.rect == rect && next.range.begin == range.end);
+  assert(next.rect == rect && next.range.begin == range.end && next.layers == layers);
   add_row(sums.data(), next.sums.data(), sums.size());
   add_row(odd_sums.data(), next.odd_sums.data(), odd_sums.size());
+  if (!layers.empty()) add_planes(film_layout(layers), planes, rect, next.planes, rect);
   range.end = next.range.end;
   counters.add(next.counters);
 }
 
-Film::Film(TileGrid grid) : grid_(grid), tiles_(static_cast<std::size_t>(grid.tile_count())) {
+Film::Film(TileGrid grid, LayerSet layers)
+    : grid_(grid),
+      layers_(layers),
+      layout_(film_layout(layers)),
+      tiles_(static_cast<std::size_t>(grid.tile_count())) {
   for (int i = 0; i < grid.tile_count(); ++i) {
     const SumBuffer none(channel_count(grid.rect(i)));
-    tiles_[static_cast<std::size_t>(i)] = {none, none};
+    tiles_[static_cast<std::size_t>(i)] = {none, none, 0, 0, {}};
   }
 }
 
 void Film::add(const FilmTile& tile) {
+  assert(tile.layers == layers_);
   for_each_cell(grid_, tile.rect, [&](std::size_t index, const PixelRect& cell) {
     Tile& to = tiles_[index];
     for_overlap(to.sums, &SumBuffer::add, cell, tile.sums, tile.rect);
     for_overlap(to.odd_sums, &SumBuffer::add, cell, tile.odd_sums, tile.rect);
+    add_planes(layout_, to.planes, cell, tile.planes, tile.rect);
     to.samples += tile.range.count();
     to.odd_samples += tile.range.odd_count();
   });
@@ -124,16 +134,17 @@ void Film::add(const FilmTile& tile) {
 Film::TileSums Film::tile(int index) const {
   const Tile& tile = tiles_[static_cast<std::size_t>(index)];
   if (tile.samples == 0) return {};
-  return {tile.sums.values(), tile.odd_sums.values(), tile.samples, tile.odd_samples};
+  return {tile.sums.values(), tile.odd_sums.values(), tile.samples, tile.odd_samples, tile.planes};
 }
 
 void Film::restore(int index, const TileSums& sums) {
   const SumBuffer none(channel_count(grid_.rect(index)));
   assert(sums.samples == 0 || (sums.sums.size() == none.size() && sums.odd_sums.size() == none.size()));
   Tile& tile = tiles_[static_cast<std::size_t>(index)];
-  tile = {none, none, sums.samples, sums.odd_samples};
+  tile = {none, none, sums.samples, sums.odd_samples, {}};
   tile.sums.add(0, sums.sums);
   tile.odd_sums.add(0, sums.odd_sums);
+  tile.planes = sums.planes;
 }
 
 Image Film::develop() const {

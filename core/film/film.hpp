@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "core/film/fixed_point.hpp"
+#include "core/film/layout.hpp"
+#include "core/film/planes.hpp"
 #include "core/film/region.hpp"
 #include "core/film/sum_buffer.hpp"
 #include "core/image/image.hpp"
@@ -38,17 +40,21 @@ struct RenderCounters {
   bool operator==(const RenderCounters&) const = default;
 };
 
-// Samples `range` of the pixels of `rect`, summed.
-// Both buffers hold rect.height() * rect.width() * 3 fixed-point sums (fixed_point.hpp), row-major, RGB.
+// Samples `range` of the pixels of `rect`, summed: the words of film_layout(layers), as layout.hpp arranges
+// them. `sums` and `odd_sums` hold rect.height() * rect.width() * 3 fixed-point sums (fixed_point.hpp),
+// row-major, RGB.
 struct FilmTile {
   PixelRect rect;
   SampleRange range;
   std::vector<std::uint64_t> sums;      // of all samples
   std::vector<std::uint64_t> odd_sums;  // of those with an odd number
   RenderCounters counters;
+  LayerSet layers{};
+  Planes planes{};  // of the layers
 
   FilmTile() = default;
-  FilmTile(PixelRect rect, SampleRange range);
+  // Without samples. The planes are there, and empty.
+  FilmTile(PixelRect rect, SampleRange range, LayerSet layers = {});
 
   // Appends a tile of the same rectangle whose range begins where this one's ends.
   void append(const FilmTile& next);
@@ -56,12 +62,13 @@ struct FilmTile {
 
 class Film {
  public:
-  explicit Film(TileGrid grid);
+  explicit Film(TileGrid grid, LayerSet layers = {});
 
   const TileGrid& grid() const { return grid_; }
+  LayerSet layers() const { return layers_; }
 
-  // Adds every sample of `tile`, whose rectangle must be a union of grid tiles. The caller ensures that no
-  // sample is added twice. Counters are not kept here.
+  // Adds every sample of `tile`, whose rectangle must be a union of grid tiles, and which must have the
+  // layers of the film. The caller ensures that no sample is added twice. Counters are not kept here.
   void add(const FilmTile& tile);
 
   // One grid tile's sums in the layout of FilmTile, and how many samples of each pixel they hold; empty where
@@ -69,6 +76,7 @@ class Film {
   struct TileSums {
     std::vector<std::uint64_t> sums, odd_sums;
     std::uint32_t samples = 0, odd_samples = 0;
+    Planes planes{};
     bool operator==(const TileSums&) const = default;
   };
   TileSums tile(int index) const;
@@ -94,10 +102,13 @@ class Film {
   struct Tile {
     SumBuffer sums, odd_sums;
     std::uint32_t samples = 0, odd_samples = 0;
+    Planes planes{};
     bool operator==(const Tile&) const = default;
   };
 
   TileGrid grid_;
+  LayerSet layers_;
+  FilmLayout layout_;
   std::vector<Tile> tiles_;
 };
 

@@ -43,6 +43,9 @@ struct DecodeOptions {
   std::int64_t max_pixels = 0;
   // Whether the result has 4 channels if the file has alpha. If not, it always has 3.
   bool keep_alpha = false;
+  // Of an OpenEXR file, the layer to read ("Normal"), or a channel of it in all three colours ("Depth.Z").
+  // Empty: the image itself. Other formats have no layers, which is an error.
+  std::string_view layer{};
 };
 
 // A file format. Error messages of its functions complete a sentence that begins with the file's name.

@@ -37,9 +37,9 @@ Image linear_image(ImageSize size, const std::vector<T>& values) {
 
 }  // namespace
 
-Result<Image> decode_image(std::string_view bytes) {
+Result<Image> decode_image(std::string_view bytes, const std::string& layer) {
   try {
-    const auto decoded = decode_pixels(bytes, {.max_pixels = kMaxPicturePixels});
+    const auto decoded = decode_pixels(bytes, {.max_pixels = kMaxPicturePixels, .layer = layer});
     if (!decoded) return fail(decoded.error());
     return std::visit([&](const auto& values) { return linear_image(decoded->size, values); },
                       decoded->values);
@@ -48,10 +48,10 @@ Result<Image> decode_image(std::string_view bytes) {
   }
 }
 
-Result<Image> read_image(const std::string& path) {
+Result<Image> read_image(const std::string& path, const std::string& layer) {
   Result<std::string> bytes = read_file(path);
   if (!bytes) return fail(bytes.error());
-  Result<Image> image = decode_image(*bytes);
+  Result<Image> image = decode_image(*bytes, layer);
   if (!image) return fail(image.error().code, "'" + path + "' " + image.error().message);
   return image;
 }

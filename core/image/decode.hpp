@@ -13,9 +13,10 @@ namespace tessera::core {
 
 // Decodes any format of codecs.hpp. Codes of 8 and 16 bits are interpreted as sRGB, floats as linear. Alpha
 // is ignored. Error messages complete a sentence that begins with the file's name.
-Result<Image> decode_image(std::string_view bytes);
+Result<Image> decode_image(std::string_view bytes, const std::string& layer = {});
 
-// Reads and decodes a local file. Error messages begin with the file's name.
-Result<Image> read_image(const std::string& path);
+// Reads and decodes a local file, or a layer of it (DecodeOptions::layer). Error messages begin with the
+// file's name.
+Result<Image> read_image(const std::string& path, const std::string& layer = {});
 
 }  // namespace tessera::core

@@ -153,11 +153,47 @@ std::uint64_t encoding_bytes(std::uint64_t width) {
   return kTables + width * kRows * sizeof(Rgb);
 }
 
-Result<std::string> encode_image(const Image& image, ImageFormat format, const DisplaySettings& display) {
+Result<std::string> encode_image(const Image& image, ImageFormat format, const DisplaySettings& display,
+                                 const std::optional<ImagePosition>& position) {
   StringSink sink;
   const RowSource source{image.width, image.height,
-                         [&](int y) -> Result<const Rgb*> { return &image.at(0, y); }};
+                         [&](int y) -> Result<const Rgb*> { return &image.at(0, y); }, position};
   const auto size = write_image(source, format, display, sink);
+  if (!size) return fail(size.error());
+  return sink.take();
+}
+
+Result<std::uint64_t> write_channels(const ChannelRows& source, ImageFormat format,
+                                     const DisplaySettings& display, ByteSink& sink) {
+  if (Status status = check_encodable(format, source.width, source.height); !status)
+    return fail(status.error());
+  const bool has_alpha = source.channels.size() > 3 && source.channels[3] == "A";
+  std::vector<Rgb> colors;
+  const RowSource beauty{source.width, source.height, [&](int y) -> Result<const Rgb*> {
+                           const auto row = source.row(y);
+                           if (!row) return fail(row.error());
+                           colors.clear();
+                           for (std::size_t x = 0; x < static_cast<std::size_t>(source.width); ++x) {
+                             const float* const pixel = *row + x * source.channels.size();
+                             colors.push_back({pixel[0], pixel[1], pixel[2]});
+                           }
+                           return colors.data();
+                         }};
+  try {
+    if (format == ImageFormat::kExr) return write_exr(source, sink);
+    if (format == ImageFormat::kPng && has_alpha) return write_png_with_alpha(source, display, sink);
+    return write_checked(beauty, format, display, sink);
+  } catch (const std::bad_alloc&) {
+    return fail(
+        ErrorCode::kResourceExhausted,
+        fmt::format("not enough memory to write an image of {}x{} pixels", source.width, source.height));
+  }
+}
+
+Result<std::string> encode_channels(const ChannelRows& source, ImageFormat format,
+                                    const DisplaySettings& display) {
+  StringSink sink;
+  const auto size = write_channels(source, format, display, sink);
   if (!size) return fail(size.error());
   return sink.take();
 }

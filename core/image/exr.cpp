@@ -9,6 +9,7 @@
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfRgbaFile.h>
+#include <ImfStringAttribute.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -80,28 +81,39 @@ class StringReader : public Imf::IStream {
   std::size_t position_ = 0;
 };
 
-Imf::Header header_of(const RowSource& source) {
+Imf::Header window_header(const ChannelRows& source) {
   if (!source.position) return Imf::Header(source.width, source.height);
-  const RowSource::Position& at = *source.position;
+  const ImagePosition& at = *source.position;
   const Imath::Box2i display({0, 0}, {at.image_width - 1, at.image_height - 1});
   const Imath::Box2i data({at.x0, at.y0}, {at.x0 + source.width - 1, at.y0 + source.height - 1});
   return Imf::Header(display, data);
 }
 
+Imf::Header header_of(const ChannelRows& source) {
+  Imf::Header header = window_header(source);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  for (const std::string& name : source.channels) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+  for (const auto& [name, text] : source.attributes) header.insert(name, Imf::StringAttribute(text));
+  return header;
+}
+
 // The slice through which OpenEXR addresses a channel of whatever row is in the buffer: rows have no distance
 // from each other. OpenEXR adds the first column of the image to the pointer.
-Imf::Slice row_slice(const std::vector<Rgb>& row, std::size_t channel, int first_column) {
-  const char* const base = reinterpret_cast<const char*>(row.data()) + channel * sizeof(float);
-  const std::ptrdiff_t before = first_column * static_cast<std::ptrdiff_t>(sizeof(Rgb));
-  return Imf::Slice(Imf::FLOAT, const_cast<char*>(base) - before, sizeof(Rgb), 0);
+Imf::Slice row_slice(const std::vector<float>& row, std::size_t channel, std::size_t channels,
+                     int first_column) {
+  const std::size_t pixel_bytes = channels * sizeof(float);
+  const char* const base = reinterpret_cast<const char*>(row.data() + channel);
+  const std::ptrdiff_t before = first_column * static_cast<std::ptrdiff_t>(pixel_bytes);
+  return Imf::Slice(Imf::FLOAT, const_cast<char*>(base) - before, pixel_bytes, 0);
 }
 
 // OpenEXR compresses some rows at a time.
-void write_rows(const RowSource& source, Imf::OutputFile& file) {
-  std::vector<Rgb> buffer(static_cast<std::size_t>(source.width));
+void write_rows(const ChannelRows& source, Imf::OutputFile& file) {
+  const std::size_t channels = source.channels.size();
+  std::vector<float> buffer(static_cast<std::size_t>(source.width) * channels);
   Imf::FrameBuffer frame;
-  for (std::size_t i = 0; i < 3; ++i)
-    frame.insert(std::string(1, "RGB"[i]), row_slice(buffer, i, file.header().dataWindow().min.x));
+  for (std::size_t i = 0; i < channels; ++i)
+    frame.insert(source.channels[i], row_slice(buffer, i, channels, file.header().dataWindow().min.x));
   file.setFrameBuffer(frame);
   for (int y = 0; y < source.height; ++y) {
     const auto row = source.row(y);
@@ -116,6 +128,28 @@ struct ChannelNames {
   std::array<std::string, 3> colors;
   std::string alpha;
 };
+
+// The channels of a layer ("Normal", "view.Normal"), of up to three components, or a channel by its whole
+// name ("Depth.Z"), which makes a gray image.
+std::optional<ChannelNames> layer_channels(const Imf::ChannelList& channels, const std::string& layer) {
+  if (channels.findChannel(layer) != nullptr) return ChannelNames{{layer, layer, layer}, ""};
+  for (const std::string_view components : {"RGB", "XYZ", "rgb", "UVA"}) {
+    ChannelNames names;
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      names.colors[i] = layer + "." + components[i];
+      if (found == i && channels.findChannel(names.colors[i]) != nullptr) ++found;
+    }
+    if (found == 3 || (found == 2 && components == "UVA")) {
+      if (found == 2) names.colors[2].clear();
+      return names;
+    }
+  }
+  for (const char component : {'X', 'Z', 'V', 'Y'})
+    if (const std::string name = layer + "." + component; channels.findChannel(name) != nullptr)
+      return ChannelNames{{name, name, name}, ""};
+  return std::nullopt;
+}
 
 // The channels of the image itself, or of the first layer with colour channels ("view.combined.R").
 std::optional<ChannelNames> color_channels(const Imf::ChannelList& channels) {
@@ -150,7 +184,8 @@ Result<DecodedImage> read_channels(Imf::InputFile& file, ImageSize size, const C
                                         channels * sizeof(float) * static_cast<std::size_t>(size.width)));
   };
   const bool is_gray = names.colors[0] == names.colors[1];
-  for (std::size_t i = 0; i < (is_gray ? 1 : 3); ++i) insert(names.colors[i], i);
+  for (std::size_t i = 0; i < (is_gray ? 1 : 3); ++i)
+    if (!names.colors[i].empty()) insert(names.colors[i], i);
   if (has_alpha) insert(names.alpha, 3);
   file.setFrameBuffer(frame);
   file.readPixels(window.min.y, window.max.y);
@@ -174,10 +209,25 @@ Result<DecodedImage> read_luminance_chroma(StringReader& stream, ImageSize size)
   return DecodedImage{.size = size, .channels = 3, .values = std::move(values), .warnings = {}};
 }
 
-Result<DecodedImage> read_pixels(StringReader& stream, ImageSize size, bool keep_alpha) {
+std::string channel_list(const Imf::ChannelList& channels) {
+  std::string names;
+  for (auto channel = channels.begin(); channel != channels.end(); ++channel)
+    names += (names.empty() ? "" : ", ") + printable_reason(channel.name());
+  return names;
+}
+
+Result<DecodedImage> read_pixels(StringReader& stream, ImageSize size, const DecodeOptions& options) {
+  const bool keep_alpha = options.keep_alpha;
   {
     Imf::InputFile file(stream, 0);  // 0: single-threaded
     const Imf::ChannelList& channels = file.header().channels();
+    if (!options.layer.empty()) {
+      const auto names = layer_channels(channels, std::string(options.layer));
+      if (names) return read_channels(file, size, *names, false);
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("has no layer or channel '{}'; its channels are {}", options.layer,
+                              channel_list(channels)));
+    }
     const auto names = color_channels(channels);
     if (!names)
       return unsupported_image("an OpenEXR image without colours", "it needs the channels R, G and B, or Y");
@@ -208,7 +258,7 @@ Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const Decode
   if (!header) return broken_exr(header.error().message);
   try {
     StringReader stream(header->bytes, bytes);
-    return read_pixels(stream, size, options.keep_alpha);
+    return read_pixels(stream, size, options);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {
@@ -218,11 +268,9 @@ Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const Decode
 
 }  // namespace
 
-Result<std::uint64_t> write_exr(const RowSource& source, ByteSink& sink) {
+Result<std::uint64_t> write_exr(const ChannelRows& source, ByteSink& sink) {
   try {
-    Imf::Header header = header_of(source);
-    header.compression() = Imf::ZIP_COMPRESSION;
-    for (const char* const name : {"R", "G", "B"}) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    const Imf::Header header = header_of(source);
     SinkWriter stream(sink);
     {
       Imf::OutputFile file(stream, header, 0);
@@ -236,6 +284,16 @@ Result<std::uint64_t> write_exr(const RowSource& source, ByteSink& sink) {
   } catch (const std::exception& e) {
     return fail(ErrorCode::kInternal, fmt::format("cannot encode OpenEXR: {}", e.what()));
   }
+}
+
+Result<std::uint64_t> write_exr(const RowSource& source, ByteSink& sink) {
+  static_assert(sizeof(Rgb) == 3 * sizeof(float));
+  const auto row = [&](int y) -> Result<const float*> {
+    const auto pixels = source.row(y);
+    if (!pixels) return fail(pixels.error());
+    return &(*pixels)->r;
+  };
+  return write_exr(ChannelRows{source.width, source.height, {"R", "G", "B"}, row, source.position}, sink);
 }
 
 const Codec kExrCodec{"OpenEXR", true, matches, read_size, decode};

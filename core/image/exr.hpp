@@ -9,7 +9,9 @@
 
 namespace tessera::core {
 
-// 32-bit float R, G and B, ZIP-compressed scan lines. Returns the size of the file.
+// 32-bit float channels, ZIP-compressed scan lines. Returns the size of the file. May throw std::bad_alloc.
+Result<std::uint64_t> write_exr(const ChannelRows& source, ByteSink& sink);
+// R, G and B.
 Result<std::uint64_t> write_exr(const RowSource& source, ByteSink& sink);
 
 }  // namespace tessera::core

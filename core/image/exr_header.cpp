@@ -94,6 +94,26 @@ bool is_plausible_block(const Claims& claims, std::size_t file_bytes) {
 
 }  // namespace
 
+Result<std::map<std::string, std::string>> exr_texts(std::string_view bytes) {
+  const auto refuse = [](const char* what) { return fail(ErrorCode::kInvalidArgument, what); };
+  if (bytes.size() < kMagicAndVersion || !bytes.starts_with("\x76\x2f\x31\x01"))
+    return refuse("it does not begin as one");
+  std::map<std::string, std::string> texts;
+  for (std::size_t at = kMagicAndVersion;;) {
+    const std::size_t name_end = bytes.find('\0', at);
+    if (name_end == at) return texts;
+    const std::size_t type_end =
+        name_end == std::string_view::npos ? name_end : bytes.find('\0', name_end + 1);
+    if (type_end == std::string_view::npos || bytes.size() - type_end < 5)
+      return refuse("the file ends too early");
+    const std::size_t size = number_at(bytes, type_end + 1);
+    if (size > bytes.size() - type_end - 5) return refuse("the file ends too early");
+    if (bytes.substr(name_end + 1, type_end - name_end - 1) == "string")
+      texts.emplace(bytes.substr(at, name_end - at), bytes.substr(type_end + 5, size));
+    at = type_end + 5 + size;
+  }
+}
+
 Result<ExrHeader> checked_exr_header(std::string_view bytes) {
   const auto refuse = [](std::string what) { return fail(ErrorCode::kInvalidArgument, std::move(what)); };
   const auto too_early = [&] { return refuse("the file ends too early"); };

@@ -3,6 +3,7 @@
 // thread-safe.
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -21,5 +22,8 @@ struct ExrHeader {
 // Errors: an attribute exceeds the file or has the wrong type, the image or its tiles are larger than the
 // file can hold, or the file is multi-part or deep.
 Result<ExrHeader> checked_exr_header(std::string_view bytes);
+
+// The texts in the header by their names. Errors: it is no OpenEXR file, or an attribute exceeds it.
+Result<std::map<std::string, std::string>> exr_texts(std::string_view bytes);
 
 }  // namespace tessera::core

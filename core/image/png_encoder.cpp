@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <spng.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <new>
 #include <string_view>
@@ -25,7 +27,7 @@ struct SpngFree {
 // A file that takes rows of codes, from the top down. Throws std::bad_alloc.
 class PngFile {
  public:
-  PngFile(int width, int height, ByteSink& sink);
+  PngFile(int width, int height, spng_color_type color_type, ByteSink& sink);
   PngFile(const PngFile&) = delete;
   PngFile& operator=(const PngFile&) = delete;
 
@@ -45,14 +47,14 @@ class PngFile {
   std::unique_ptr<spng_ctx, SpngFree> context_;
 };
 
-PngFile::PngFile(int width, int height, ByteSink& sink)
+PngFile::PngFile(int width, int height, spng_color_type color_type, ByteSink& sink)
     : sink_(sink), context_(spng_ctx_new(SPNG_CTX_ENCODER)) {
   if (!context_) throw std::bad_alloc();
   spng_ihdr header{};
   header.width = static_cast<std::uint32_t>(width);
   header.height = static_cast<std::uint32_t>(height);
   header.bit_depth = 8;
-  header.color_type = SPNG_COLOR_TYPE_TRUECOLOR;
+  header.color_type = static_cast<std::uint8_t>(color_type);
   spng_set_png_stream(context_.get(), append, this);
   spng_set_option(context_.get(), SPNG_IMG_COMPRESSION_LEVEL, kCompressionLevel);
   begun_ = spng_set_ihdr(context_.get(), &header);
@@ -91,7 +93,7 @@ Result<std::uint64_t> write_png(const RowSource& source, const DisplaySettings& 
   const DisplayTransform to_screen(display);
   const auto width = static_cast<std::size_t>(source.width);
   std::vector<std::uint8_t> codes(3 * width);
-  PngFile file(source.width, source.height, sink);
+  PngFile file(source.width, source.height, SPNG_COLOR_TYPE_TRUECOLOR, sink);
   for (int y = 0; y < source.height; ++y) {
     const auto row = source.row(y);
     if (!row) return fail(row.error());
@@ -99,6 +101,29 @@ Result<std::uint64_t> write_png(const RowSource& source, const DisplaySettings& 
       const Rgb shown = to_screen((*row)[x]);
       for (int channel = 0; channel < 3; ++channel)
         codes[3 * x + static_cast<std::size_t>(channel)] = srgb_encode(shown[channel]);
+    }
+    if (const Status written = file.write_row(codes); !written) return fail(written.error());
+  }
+  return file.size();
+}
+
+Result<std::uint64_t> write_png_with_alpha(const ChannelRows& source, const DisplaySettings& display,
+                                           ByteSink& sink) {
+  constexpr std::size_t kChannels = 4;
+  const DisplayTransform to_screen(display);
+  const auto width = static_cast<std::size_t>(source.width);
+  std::vector<std::uint8_t> codes(kChannels * width);
+  PngFile file(source.width, source.height, SPNG_COLOR_TYPE_TRUECOLOR_ALPHA, sink);
+  for (int y = 0; y < source.height; ++y) {
+    const auto row = source.row(y);
+    if (!row) return fail(row.error());
+    for (std::size_t x = 0; x < width; ++x) {
+      const float* const pixel = *row + x * source.channels.size();
+      const float alpha = pixel[3] > 0 ? std::min(pixel[3], 1.0f) : 0;
+      const Rgb shown = to_screen(Rgb{pixel[0], pixel[1], pixel[2]} * (alpha > 0 ? 1 / alpha : 1));
+      std::uint8_t* const code = codes.data() + kChannels * x;
+      for (int channel = 0; channel < 3; ++channel) code[channel] = srgb_encode(shown[channel]);
+      code[3] = static_cast<std::uint8_t>(alpha * 255 + 0.5f);
     }
     if (const Status written = file.write_row(codes); !written) return fail(written.error());
   }

@@ -13,4 +13,8 @@ namespace tessera::core {
 // 8-bit sRGB codes of the displayed light. Needs memory for a few rows. Returns the size of the file.
 Result<std::uint64_t> write_png(const RowSource& source, const DisplaySettings& display, ByteSink& sink);
 
+// The same with alpha. The first channels must be R, G, B and A; PNG wants colours that A does not multiply.
+Result<std::uint64_t> write_png_with_alpha(const ChannelRows& source, const DisplaySettings& display,
+                                           ByteSink& sink);
+
 }  // namespace tessera::core
