@@ -7,6 +7,7 @@
 #include "core/accel/binary_bvh.hpp"
 #include "core/accel/bvh.hpp"
 #include "core/accel/collapse.hpp"
+#include "core/accel/tube_test.hpp"
 
 namespace tessera::core {
 namespace {
@@ -134,6 +135,10 @@ class WideBuilder {
         packet.instance_lanes |= 1u << lane;
       } else if (primitives_.is_sphere(primitive)) {
         packet.sphere_lanes |= 1u << lane;
+      } else if (primitives_.is_curve(primitive)) {
+        packet.curve_lanes |= 1u << lane;
+        set_tube(packet, lane, tube_around(primitives_.curve(primitive)));
+        set_source(packet, lane, primitives_.curve_source(primitive));
       } else if (!primitives_.is_triangle(primitive)) {
         packet.quadric_lanes |= 1u << lane;
       } else {
@@ -148,6 +153,10 @@ class WideBuilder {
     for (std::size_t corner = 0; corner < 3; ++corner) {
       for (int axis = 0; axis < 3; ++axis) packet.corners[corner][axis][lane] = corners[corner][axis];
     }
+  }
+
+  static void set_tube(BvhPacket& packet, std::uint32_t lane, const CurveTube& tube) {
+    set_corners(packet, lane, {tube.start, tube.end, {tube.radius, 0, 0}});
   }
 
   static void set_lane(BvhNode& node, int lane, const Aabb& box, BvhChild child) {

@@ -22,8 +22,10 @@ class CountedVisits {
 
 Hit Bvh::closest_hit(const Primitives& primitives, const Ray& ray) const {
   if (arrays_.nodes.empty()) return {};
-  return RayTraversal(primitives, arrays_.objects.data(), ray)
-      .run<Query::kClosest>(arrays_.nodes.data(), arrays_.packets.data());
+  Hit hit = RayTraversal(primitives, arrays_.objects.data(), ray)
+                .run<Query::kClosest>(arrays_.nodes.data(), arrays_.packets.data());
+  if (primitives.has_motion()) hit.time = ray.time;
+  return hit;
 }
 
 bool Bvh::any_hit(const Primitives& primitives, const Ray& ray) const {
@@ -54,6 +56,8 @@ void Bvh::closest_hits(const Primitives& primitives, std::span<const Ray> rays, 
         run, [&](std::span<const std::uint16_t> order) { trace_closest(scene, run, order, of_run); },
         [&](std::size_t i) { of_run[i] = closest_hit(primitives, run[i]); });
   });
+  if (!primitives.has_motion()) return;
+  for (std::size_t i = 0; i < rays.size(); ++i) hits[i].time = rays[i].time;
 }
 
 void Bvh::any_hits(const Primitives& primitives, std::span<const Ray> rays,

@@ -17,6 +17,7 @@
 #include "core/accel/ray_group.hpp"
 #include "core/accel/ray_traversal.hpp"
 #include "core/accel/sheared_group.hpp"
+#include "core/accel/tube_test.hpp"
 #include "core/geometry/primitives.hpp"
 #include "core/geometry/rounding.hpp"
 
@@ -67,8 +68,22 @@ class GroupHits {
   void test_quadrics(const BvhPacket& packet, RaySet set) {
     for (unsigned quadrics = packet.quadric_lanes; quadrics != 0; quadrics &= quadrics - 1) {
       const std::uint32_t primitive = packet.primitives[std::countr_zero(quadrics)];
-      for_each_ray(set, [&](std::size_t i) { test_quadric(primitive, i); });
+      for_each_ray(set, [&](std::size_t i) { test_analytic(primitive, i); });
     }
+  }
+
+  // Tests the rays of `set` against a packet's parts of curves, ray by ray.
+  void test_curves(const BvhPacket& packet, RaySet set) {
+    prefetch_curves(packet, scene_.primitives);
+    for_each_ray(set, [&](std::size_t i) {
+      const AnyRay ray = columns_.ray(i);
+      for (unsigned near = curves_near(packet, ObjectRay(ray)); near != 0; near &= near - 1) {
+        const int lane = std::countr_zero(near);
+        Hit hit;
+        if (scene_.primitives.intersect_curve(packet.primitives[lane], source_of(packet, lane), ray, hit))
+          accept(i, hit);
+      }
+    });
   }
 
   // Tests the rays of `set` against all triangles of packet `index`, ray by ray.
@@ -218,9 +233,13 @@ class GroupHits {
                  });
   }
 
-  void test_quadric(std::uint32_t primitive, std::size_t i) {
+  void test_analytic(std::uint32_t primitive, std::size_t i) {
     Hit hit;
-    if (!scene_.primitives.intersect(primitive, columns_.ray(i), hit)) return;
+    if (scene_.primitives.intersect(primitive, columns_.ray(i), hit)) accept(i, hit);
+  }
+
+  // Takes into account what ray i has hit, other than a triangle.
+  void accept(std::size_t i, const Hit& hit) {
     if (kQuery == Query::kAny) {
       alive_ &= ~(RaySet{1} << i);
     } else if (hit.t <= t_high_[i]) {

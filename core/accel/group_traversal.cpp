@@ -131,6 +131,7 @@ class GroupTraversal {
       if (packet.instance_lanes != 0) enter_instances(packet, set);
     if (packet.sphere_lanes != 0) hits_.test_spheres(packet, set);
     if (packet.quadric_lanes != 0) hits_.test_quadrics(packet, set);
+    if (packet.curve_lanes != 0) hits_.test_curves(packet, set);
   }
 
   void enter_instances(const BvhPacket& packet, RaySet set) {
@@ -145,7 +146,7 @@ class GroupTraversal {
     const Bvh::Arrays& tree = scene_.objects[instance.object];
     const GroupScene object{scene_.primitives.object_of(instance), nullptr, tree.nodes.data(),
                             tree.packets.data()};
-    const RaysInObject rays(instance.placement, columns_, set);
+    const RaysInObject rays(scene_.primitives, instance, columns_, set);
     rays.for_each_octant([&](RaySet octant) {
       if (std::popcount(octant) >= kMinInObject) {
         trace_together(object, number, rays, octant);

@@ -34,9 +34,17 @@ struct RayNumbers<ObjectRay> {
 
 inline constexpr std::size_t kGroupSize = 64;
 
+// Rays in the space of an object have no time.
+template <typename AnyRay>
+struct TimeColumn {};
+template <>
+struct TimeColumn<Ray> {
+  alignas(kVectorAlignment) float time[kGroupSize];
+};
+
 // AnyRay is Ray or ObjectRay.
 template <typename AnyRay>
-struct RayColumns {
+struct RayColumns : TimeColumn<AnyRay> {
   static constexpr std::size_t kSize = kGroupSize, kLanes = kVectorLanes, kVectors = kSize / kLanes;
   using Real = typename RayNumbers<AnyRay>::Real;
   using Lanes = typename RayNumbers<AnyRay>::Lanes;
@@ -53,9 +61,11 @@ struct RayColumns {
   // The number of vectors that contain rays.
   std::size_t vectors() const { return (count + kLanes - 1) / kLanes; }
   AnyRay ray(std::size_t i) const {
-    return {{origin[0][i], origin[1][i], origin[2][i]},
-            {direction[0][i], direction[1][i], direction[2][i]},
-            t_max[i]};
+    AnyRay ray{{origin[0][i], origin[1][i], origin[2][i]},
+               {direction[0][i], direction[1][i], direction[2][i]},
+               t_max[i]};
+    if constexpr (std::is_same_v<AnyRay, Ray>) ray.time = this->time[i];
+    return ray;
   }
 
   std::size_t count;
@@ -68,16 +78,16 @@ struct RayColumns {
   void set_vector(std::size_t first, const RayAt& ray_at) {
     if constexpr (std::is_same_v<AnyRay, Ray>) {
       static_assert(std::is_lvalue_reference_v<decltype(ray_at(0))>);
-      // Loads overlapping rows of four numbers.
-      static_assert(offsetof(Ray, direction) == 3 * sizeof(float) && sizeof(Ray) == 7 * sizeof(float));
+      // Loads rows of four numbers.
+      static_assert(offsetof(Ray, direction) == 3 * sizeof(float) && sizeof(Ray) == 8 * sizeof(float));
       const auto rows = [&](std::size_t offset) {
         return transposed([&](std::size_t k) { return reinterpret_cast<const float*>(&ray_at(k)) + offset; });
       };
-      const auto [x, y, z, unused] = rows(0);
-      const auto [dx, dy, dz, t] = rows(3);
+      const auto [x, y, z, dx] = rows(0);
+      const auto [dy, dz, t, when] = rows(4);
       x.store(origin[0] + first), y.store(origin[1] + first), z.store(origin[2] + first);
       dx.store(direction[0] + first), dy.store(direction[1] + first), dz.store(direction[2] + first);
-      t.store(t_max + first);
+      t.store(t_max + first), when.store(this->time + first);
     } else {
       for (std::size_t k = 0; k < 8; ++k) {
         const AnyRay& ray = ray_at(k);
@@ -112,7 +122,7 @@ void for_each_ray(RaySet set, const What& what) {
 
 // The octant that a direction points into: bit i is the sign of coordinate i.
 inline unsigned octant(const Ray& ray) {
-  static_assert(offsetof(Ray, direction) + 4 * sizeof(float) == sizeof(Ray));  // t_max is the fourth
+  static_assert(offsetof(Ray, t_max) == offsetof(Ray, direction) + 3 * sizeof(float));  // the fourth
   return signs_of_four(&ray.direction.x) & 7u;
 }
 

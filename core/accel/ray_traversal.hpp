@@ -15,6 +15,7 @@
 #include "core/accel/bvh.hpp"
 #include "core/accel/bvh_layout.hpp"
 #include "core/accel/triangle_hits.hpp"
+#include "core/accel/tube_test.hpp"
 #include "core/geometry/primitives.hpp"
 #include "core/math/simd.hpp"
 
@@ -252,6 +253,15 @@ class RayTraversal {
 
   template <Query kQuery>
   void visit(const BvhPacket& packet) {
+    if (packet.triangle_lanes != 0) visit_triangles(packet);
+    if (const unsigned lanes = packet.sphere_lanes | packet.quadric_lanes; lanes != 0)
+      visit_analytic(packet, lanes);
+    if (packet.curve_lanes != 0) visit_curves(packet);
+    if constexpr (std::is_same_v<AnyRay, Ray>)
+      if (packet.instance_lanes != 0) visit_instances<kQuery>(packet);
+  }
+
+  void visit_triangles(const BvhPacket& packet) {
     const auto hits = hits_of_packet(sheared_ray_, packet);
     for (unsigned lanes = hits.lanes() & packet.triangle_lanes; lanes != 0; lanes &= lanes - 1) {
       const int lane = std::countr_zero(lanes);
@@ -259,14 +269,19 @@ class RayTraversal {
       if (!hit_.improve(ray_, {t, packet.primitives[lane], hits.b1(lane), hits.b2(lane)})) continue;
       update_limit();
     }
-    if (const unsigned lanes = packet.sphere_lanes | packet.quadric_lanes; lanes != 0)
-      visit_quadrics(packet, lanes);
-    if constexpr (std::is_same_v<AnyRay, Ray>)
-      if (packet.instance_lanes != 0) visit_instances<kQuery>(packet);
+  }
+
+  void visit_curves(const BvhPacket& packet) {
+    prefetch_curves(packet, primitives_);
+    for (unsigned near = curves_near(packet, ObjectRay(ray_)); near != 0; near &= near - 1) {
+      const int lane = std::countr_zero(near);
+      primitives_.intersect_curve(packet.primitives[lane], source_of(packet, lane), ray_, hit_);
+    }
+    update_limit();
   }
 
   // Tests spheres, disks and cylinders.
-  void visit_quadrics(const BvhPacket& packet, unsigned lanes) {
+  void visit_analytic(const BvhPacket& packet, unsigned lanes) {
     for (; lanes != 0; lanes &= lanes - 1) {
       primitives_.intersect(packet.primitives[std::countr_zero(lanes)], ray_, hit_);
     }
@@ -297,7 +312,7 @@ void enter_instance(const Primitives& scene, const Bvh::Arrays* objects, std::ui
                     Hit& hit) {
   const Instance& instance = scene.instance(number);
   const Bvh::Arrays& tree = objects[instance.object];
-  ObjectRay object_ray = instance.placement.to_object(ray);
+  ObjectRay object_ray = scene.to_object(instance, ray);
   object_ray.t_max = std::min(ray.t_max, next_float_up(hit.t));  // an equally near hit may still win the tie
   Hit found = RayTraversal(scene.object_of(instance), nullptr, object_ray)
                   .template run<kQuery>(tree.nodes.data(), tree.packets.data());

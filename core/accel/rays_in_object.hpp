@@ -1,18 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rays of a group in the object space of an instance, transformed a vector at a time; bit-identical to
-// Placement::to_object. Rays of one octant in the world may point into several octants there.
+// The rays of a group in the object space of an instance, transformed a vector at a time, or one by one if
+// the instance moves; bit-identical to Primitives::to_object. Rays of one octant in the world may point into
+// several octants there.
 #pragma once
 
+#include <cmath>
+
 #include "core/accel/ray_columns.hpp"
-#include "core/geometry/placement.hpp"
+#include "core/geometry/primitives.hpp"
 
 namespace tessera::core {
 
 class RaysInObject {
  public:
-  RaysInObject(const Placement& placement, const RayColumns<Ray>& rays, RaySet set) : set_(set) {
+  RaysInObject(const Primitives& scene, const Instance& instance, const RayColumns<Ray>& rays, RaySet set)
+      : set_(set) {
+    if (instance.motion != kStill) {
+      move_each(scene, instance, rays);
+      return;
+    }
     for (std::size_t v = 0; v < rays.vectors(); ++v)
-      if (lanes_of(set, v) != 0) move(placement, rays, v);
+      if (lanes_of(set, v) != 0) move(instance.placement, rays, v);
   }
 
   // Returns a ray of the set with the given t_max.
@@ -34,6 +42,17 @@ class RaysInObject {
   }
 
  private:
+  void move_each(const Primitives& scene, const Instance& instance, const RayColumns<Ray>& rays) {
+    for_each_ray(set_, [&](std::size_t i) {
+      const ObjectRay ray = scene.to_object(instance, rays.ray(i));
+      for (int axis = 0; axis < 3; ++axis) {
+        origin_[axis][i] = ray.origin[axis];
+        direction_[axis][i] = ray.direction[axis];
+        negative_[axis] |= RaySet{std::signbit(static_cast<float>(ray.direction[axis]))} << i;
+      }
+    });
+  }
+
   void move(const Placement& placement, const RayColumns<Ray>& rays, std::size_t v) {
     const std::size_t first = RayColumns<Ray>::kLanes * v;
     const auto wide = [first](const auto& values) {

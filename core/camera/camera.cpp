@@ -40,6 +40,12 @@ Ray Camera::ray(Vec2 raster, int width_px, int height_px, Vec2 u_lens) const {
   return through_lens(position_, forward_ + right_ * x + up_ * y, u_lens);
 }
 
+float Camera::depth(Vec3 origin, Vec3 point) const {
+  if (type_ == CameraType::kPanoramic) return length(point - origin);
+  const float along = dot(point - origin, forward_);
+  return along > 0 ? along : 0;
+}
+
 Ray Camera::through_lens(Vec3 position, Vec3 direction, Vec2 u_lens) const {
   if (aperture_.is_pinhole()) return Ray{position, normalize(direction)};
   const Vec2 lens = aperture_.sample(u_lens);

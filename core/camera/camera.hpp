@@ -17,6 +17,9 @@ class Camera {
   // The ray through `raster` (pixels from the top left of the image, y downwards) and the lens point
   // selected by `u_lens` in [0, 1)^2. The direction has unit length.
   Ray ray(Vec2 raster, int width_px, int height_px, Vec2 u_lens) const;
+  // How far a point is from the origin of a camera ray that meets it, along the line of sight; for panoramic
+  // cameras, their distance. Not negative.
+  float depth(Vec3 origin, Vec3 point) const;
 
  private:
   Ray panoramic_ray(Vec2 image) const;

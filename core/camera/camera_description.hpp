@@ -8,6 +8,7 @@ namespace tessera::core {
 
 inline constexpr int kMinApertureBlades = 3, kMaxApertureBlades = 64;
 inline constexpr float kMaxLensShift = 1000;
+inline constexpr float kMaxShutterFrames = 1000;
 
 enum class CameraType {
   kPerspective,   // a thin lens; a pinhole where aperture_radius is 0
@@ -33,6 +34,9 @@ struct CameraDescription {
   // image: at (0.5, 0), look_at is on the left edge. Not for panoramic cameras.
   Vec2 lens_shift{0, 0};
   bool mirrored = false;  // the image is exchanged left to right, as in a mirror
+  // When the shutter opens and closes, in frames from the frame that is rendered. If these are equal, nothing
+  // moves while it is open.
+  float shutter_open = 0, shutter_close = 0;
 };
 
 }  // namespace tessera::core

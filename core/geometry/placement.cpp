@@ -27,13 +27,17 @@ float above(double value, double error) {
 }  // namespace
 
 // The axes are floats, so the products in their cross products are exact and those have full accuracy.
-Placement::Placement(const Transform& to_world)
-    : x_axis_(to_world.x_axis), y_axis_(to_world.y_axis), z_axis_(to_world.z_axis), origin_(to_world.origin) {
-  const Vec3d yz = cross(y_axis_, z_axis_), zx = cross(z_axis_, x_axis_), xy = cross(x_axis_, y_axis_);
-  const double inverse_determinant = 1 / dot(x_axis_, yz);
-  inverse_x_ = inverse_determinant * yz;
-  inverse_y_ = inverse_determinant * zx;
-  inverse_z_ = inverse_determinant * xy;
+Placement::Placement(const Transform& to_world) {
+  map_.x_axis = Vec3d(to_world.x_axis);
+  map_.y_axis = Vec3d(to_world.y_axis);
+  map_.z_axis = Vec3d(to_world.z_axis);
+  map_.origin = Vec3d(to_world.origin);
+  const Vec3d yz = cross(map_.y_axis, map_.z_axis), zx = cross(map_.z_axis, map_.x_axis),
+              xy = cross(map_.x_axis, map_.y_axis);
+  const double inverse_determinant = 1 / dot(map_.x_axis, yz);
+  map_.inverse_x = inverse_determinant * yz;
+  map_.inverse_y = inverse_determinant * zx;
+  map_.inverse_z = inverse_determinant * xy;
 }
 
 bool Placement::can_place(const Transform& t) {
@@ -45,8 +49,8 @@ bool Placement::can_place(const Transform& t) {
   if (!(std::fabs(determinant) > kMinAngle * length(x) * length(y) * length(z))) return false;
   const Placement placed(t);
   return std::max({largest(x), largest(y), largest(z)}) <= kMaxScale &&
-         std::max({largest(placed.inverse_x_), largest(placed.inverse_y_), largest(placed.inverse_z_)}) <=
-             kMaxScale;
+         std::max({largest(placed.map_.inverse_x), largest(placed.map_.inverse_y),
+                   largest(placed.map_.inverse_z)}) <= kMaxScale;
 }
 
 ObjectRay Placement::to_object(const Ray& ray) const {
@@ -56,26 +60,13 @@ ObjectRay Placement::to_object(const Ray& ray) const {
 Aabb Placement::bounds(const Aabb& box) const {
   const Vec3d lower(box.lower), upper(box.upper);
   const Vec3d center = point(0.5 * (lower + upper)), half = 0.5 * (upper - lower);
-  const Vec3d reach = half.x * abs(x_axis_) + half.y * abs(y_axis_) + half.z * abs(z_axis_);
+  const Vec3d reach = half.x * abs(map_.x_axis) + half.y * abs(map_.y_axis) + half.z * abs(map_.z_axis);
   const Vec3d farthest(max(abs(box.lower), abs(box.upper)));
   const Vec3d error = gamma<double>(32) * error_terms(farthest);
   return {{below(center.x - reach.x, error.x), below(center.y - reach.y, error.y),
            below(center.z - reach.z, error.z)},
           {above(center.x + reach.x, error.x), above(center.y + reach.y, error.y),
            above(center.z + reach.z, error.z)}};
-}
-
-// Let A be the map's matrix and B its computed inverse. A point x of the object becomes A x + o, and a ray
-// that leaves it starts at B (A x + o - o) in the object. Each of these steps has an error of a few
-// roundings of |A| |x| + |o| in the world, and so has B's difference from the inverse, except for a factor
-// |A| |B|.
-Vec3d Placement::error_terms(Vec3d terms) const {
-  const auto magnitude = [this](Vec3d v) {
-    return v.x * abs(x_axis_) + v.y * abs(y_axis_) + v.z * abs(z_axis_);
-  };
-  const Vec3d in_world = magnitude(terms) + abs(origin_);
-  return magnitude(
-      {dot(abs(inverse_x_), in_world), dot(abs(inverse_y_), in_world), dot(abs(inverse_z_), in_world)});
 }
 
 float uniform_scale(const Transform& t, float tolerance) {

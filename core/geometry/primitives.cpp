@@ -9,8 +9,6 @@
 #include "core/geometry/object_point.hpp"
 #include "core/geometry/rounding.hpp"
 #include "core/math/elementary.hpp"
-#include "core/math/lane_array.hpp"
-#include "core/math/row_lookup.hpp"
 
 namespace tessera::core {
 namespace {
@@ -22,15 +20,6 @@ void append(std::vector<T>& all, std::vector<T> more) {
   } else {
     all.insert(all.end(), more.begin(), more.end());
   }
-}
-
-Vec3Of<Float8> look_up_vectors(const std::vector<Vec3>& table, U32x8 index) {
-  const auto [x, y, z] = look_up_row<3>(&table[0].x, index * 3u);
-  return {x, y, z};
-}
-Vec2Of<Float8> look_up_vectors(const std::vector<Vec2>& table, U32x8 index) {
-  const auto [x, y] = look_up_row<2>(&table[0].x, index * 2u);
-  return {x, y};
 }
 
 // Rounded outwards, and finite however large the sphere.
@@ -120,6 +109,18 @@ void Primitives::place_instance(std::uint32_t number, const Placement& placement
   instance_bounds_[number] = instance_box(instances_[number]);
 }
 
+void Primitives::move_instance(std::uint32_t number, MovingPlacement motion) {
+  Instance& instance = instances_[number];
+  instance_bounds_[number] = motion.bounds(outlines_[instance.object]);
+  instance.motion = static_cast<std::uint32_t>(motions_.size());
+  motions_.push_back(std::make_shared<const MovingPlacement>(std::move(motion)));
+}
+
+void Primitives::stop_instances() {
+  motions_.clear();
+  for (Instance& instance : instances_) instance.motion = kStill;
+}
+
 Aabb Primitives::instance_box(const Instance& instance) const {
   Aabb box;
   for (const Aabb& part : outlines_[instance.object]) box.include(instance.placement.bounds(part));
@@ -163,6 +164,7 @@ Aabb Primitives::bounds(std::uint32_t primitive) const {
   if (is_sphere(primitive)) return can_be_hit(sphere(primitive)) ? sphere_bounds(sphere(primitive)) : Aabb{};
   if (is_disk(primitive)) return disk(primitive).can_be_hit() ? disk(primitive).bounds() : Aabb{};
   if (is_cylinder(primitive)) return cylinder(primitive).bounds();
+  if (is_curve(primitive)) return curve(primitive).bounds();
   Aabb box;
   const TriangleCorners corners = triangle_corners(primitive);
   if (!can_be_hit(corners)) return box;
@@ -177,6 +179,7 @@ double Primitives::area(std::uint32_t primitive) const {
   }
   if (is_disk(primitive)) return disk(primitive).area();
   if (is_cylinder(primitive)) return cylinder(primitive).area();
+  if (is_curve(primitive)) return 0;
   const auto [p0, p1, p2] = triangle_corners(primitive);
   return static_cast<double>(length(cross(Vec3d(p1) - Vec3d(p0), Vec3d(p2) - Vec3d(p0)))) / 2;
 }
@@ -210,6 +213,7 @@ bool Primitives::intersect_shape(std::uint32_t primitive, const AnyRay& ray, Hit
     const auto found = cylinder(primitive).intersect(ObjectRay(ray));
     return found && hit.improve(ray, {static_cast<float>(found->t), primitive, 0, 0});
   }
+  if (is_curve(primitive)) return intersect_curve(primitive, curve_source(primitive), ray, hit);
   const TriangleCorners corners = triangle_corners(primitive);
   const auto found = intersect_triangle(ShearedRay(ray), corners);
   return found && can_be_hit(corners) && hit.improve(ray, {found->t, primitive, found->b1, found->b2});
@@ -218,7 +222,7 @@ bool Primitives::intersect_shape(std::uint32_t primitive, const AnyRay& ray, Hit
 bool Primitives::intersect_instance(std::uint32_t number, const Ray& ray, Hit& hit) const {
   const Instance& shown = instances_[number];
   const Primitives& object = object_of(shown);
-  const ObjectRay object_ray = shown.placement.to_object(ray);
+  const ObjectRay object_ray = to_object(shown, ray);
   Hit nearest;
   for (std::uint32_t p = 0; p < object.count(); ++p) object.intersect(p, object_ray, nearest);
   nearest.instance = number;
@@ -233,14 +237,19 @@ SurfacePoint Primitives::surface(const Ray& ray, const Hit& hit) const {
 SurfacePoint Primitives::instance_surface(const Ray& ray, const Hit& hit) const {
   const Instance& shown = instances_[hit.instance];
   const Primitives& object = object_of(shown);
-  if (object.is_triangle(hit.primitive)) return in_world(shown.placement, object.triangle_point(hit));
-  return in_world(shown.placement, object.shape_point(shown.placement.to_object(ray), hit));
+  return with_placement(hit, [&](const Placement& placement) {
+    return in_world(placement, object.is_triangle(hit.primitive)
+                                   ? object.triangle_point(hit)
+                                   : object.shape_point(placement.to_object(ray), hit));
+  });
 }
 
 template <typename AnyRay>
 Primitives::ObjectPoint Primitives::shape_point(const AnyRay& ray, const Hit& hit) const {
   if (is_triangle(hit.primitive)) return triangle_point(hit);
   if (is_sphere(hit.primitive)) return sphere_point(ray, hit);
+  if (is_curve(hit.primitive))
+    return curves_.point(hit.primitive - first_curve(), ObjectRay(ray), hit.b1, hit.b2);
   return is_disk(hit.primitive) ? disk(hit.primitive).point(ObjectRay(ray))
                                 : cylinder(hit.primitive).point(ObjectRay(ray));
 }
@@ -257,46 +266,9 @@ Primitives::ObjectPoint Primitives::triangle_point(const Hit& hit) const {
   return point_of_triangle(at_hit);
 }
 
-SurfacePointOf<Float8> Primitives::triangle_surfaces(const std::array<const Hit*, 8>& hits) const {
-  std::array<std::uint32_t, 8> primitives, b1, b2;
-  for (std::size_t lane = 0; lane < 8; ++lane) {
-    const Hit& hit = *hits[lane];
-    primitives[lane] = hit.primitive;
-    b1[lane] = as_bits(hit.b1);
-    b2[lane] = as_bits(hit.b2);
-  }
-  const auto vertices = look_up_row<3>(triangles_[0].data(), U32x8::load(primitives.data()) * 3u);
-  TriangleAtHit<Float8> at_hit;
-  at_hit.b1 = as_float(U32x8::load(b1.data()));
-  at_hit.b2 = as_float(U32x8::load(b2.data()));
-  for (std::size_t corner = 0; corner < 3; ++corner) {
-    at_hit.corners[corner] = look_up_vectors(positions_, vertices[corner]);
-    if (!normals_.empty()) at_hit.normals[corner] = look_up_vectors(normals_, vertices[corner]);
-    if (!uvs_.empty()) at_hit.uvs[corner] = look_up_vectors(uvs_, vertices[corner]);
-  }
-  return in_world(IdentityTransform(), point_of_triangle(at_hit));
-}
-
 template <typename AnyRay>
 Primitives::ObjectPoint Primitives::sphere_point(const AnyRay& ray, const Hit& hit) const {
   return point_of_sphere(sphere(hit.primitive), Vec3d(ray.origin), Vec3d(ray.direction), hit.t);
-}
-
-SurfacePointOf<Float8> Primitives::sphere_surfaces(const std::array<const Ray*, kLaneCount>& rays,
-                                                   const std::array<const Hit*, kLaneCount>& hits) const {
-  Vec3Lanes origin, direction, center;
-  FloatLanes radius, t;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    origin.set(lane, rays[lane]->origin);
-    direction.set(lane, rays[lane]->direction);
-    t.set(lane, hits[lane]->t);
-    center.set(lane, sphere(hits[lane]->primitive).center);
-    radius.set(lane, sphere(hits[lane]->primitive).radius);
-  }
-  using Wide = Vec3dOf<Double8>;
-  const SphereOf<Float8> spheres{center.all(), radius.all()};
-  return in_world(IdentityTransform(),
-                  point_of_sphere(spheres, Wide(origin.all()), Wide(direction.all()), t.all()));
 }
 
 Tangents Primitives::tangents(const Hit& hit, const SurfacePoint& point) const {
@@ -307,18 +279,22 @@ Tangents Primitives::tangents(const Hit& hit, const SurfacePoint& point) const {
 }
 
 Tangents Primitives::instance_tangents(const Hit& hit, const SurfacePoint& point) const {
-  const Instance& shown = instances_[hit.instance];
-  const Primitives& object = object_of(shown);
-  ModelTangents tangents;
-  if (object.is_sphere(hit.primitive)) {
-    const Vec3d normal = shown.placement.object_normal(Vec3d(point.geometric_normal));
-    const auto [east, north] = sphere_tangents(unit_or_zero(normal));
-    tangents = {Vec3d(east), Vec3d(north)};
-  } else {
-    tangents = object.model_tangents(hit.primitive, {}, point.uv);
-  }
-  return {unit_or_zero(shown.placement.vector(tangents.along_u)),
-          unit_or_zero(shown.placement.vector(tangents.along_v))};
+  const Primitives& object = object_of(instances_[hit.instance]);
+  return with_placement(hit, [&](const Placement& placement) -> Tangents {
+    ModelTangents tangents;
+    if (object.is_sphere(hit.primitive)) {
+      const Vec3d normal = placement.object_normal(Vec3d(point.geometric_normal));
+      const auto [east, north] = sphere_tangents(unit_or_zero(normal));
+      tangents = {Vec3d(east), Vec3d(north)};
+    } else {
+      const Vec3 normal = object.is_curve(hit.primitive)
+                              ? unit_or_zero(placement.object_normal(Vec3d(point.geometric_normal)))
+                              : Vec3{};
+      tangents = object.model_tangents(hit.primitive, normal, point.uv);
+    }
+    return {unit_or_zero(placement.vector(tangents.along_u)),
+            unit_or_zero(placement.vector(tangents.along_v))};
+  });
 }
 
 // Solves e1 = du1 dp/du + dv1 dp/dv and e2 = du2 dp/du + dv2 dp/dv.
@@ -346,17 +322,17 @@ UvDerivatives Primitives::uv_derivatives(const Hit& hit, const SurfacePoint& poi
   if (!hit.in_instance())
     return derivatives(model_tangents(hit.primitive, point.geometric_normal, point.uv),
                        [](Vec3d v) { return v; });
-  const Placement& place = instances_[hit.instance].placement;
-  const Vec3 normal = unit_or_zero(place.object_normal(Vec3d(point.geometric_normal)));
-  return derivatives(object_of(instances_[hit.instance]).model_tangents(hit.primitive, normal, point.uv),
-                     [&](Vec3d v) { return place.vector(v); });
+  return with_placement(hit, [&](const Placement& place) {
+    const Vec3 normal = unit_or_zero(place.object_normal(Vec3d(point.geometric_normal)));
+    return derivatives(object_of(instances_[hit.instance]).model_tangents(hit.primitive, normal, point.uv),
+                       [&](Vec3d v) { return place.vector(v); });
+  });
 }
 
 Primitives::ModelTangents Primitives::model_tangents(std::uint32_t primitive, Vec3 normal, Vec2 uv) const {
   if (is_triangle(primitive)) return triangle_tangents(triangles_[primitive]);
   if (!is_sphere(primitive)) {
-    const auto [along_u, along_v] =
-        is_disk(primitive) ? disk(primitive).derivatives(uv) : cylinder(primitive).derivatives(uv);
+    const auto [along_u, along_v] = analytic_derivatives(primitive, normal, uv);
     return {along_u, along_v, 1};
   }
   const auto [east, north] = sphere_tangents(normal);
@@ -365,18 +341,18 @@ Primitives::ModelTangents Primitives::model_tangents(std::uint32_t primitive, Ve
   return {2 * half_turn * equatorial * Vec3d(east), half_turn * Vec3d(north), 1};
 }
 
-Rgb Primitives::color_at(const Hit& hit) const {
-  const Primitives& owner = hit.in_instance() ? object_of(instances_[hit.instance]) : *this;
-  if (owner.colors_.empty() || !owner.is_triangle(hit.primitive)) return Rgb::gray(1);
-  const auto& [v0, v1, v2] = owner.triangles_[hit.primitive];
-  const float b0 = std::max(0.0f, 1 - hit.b1 - hit.b2);
-  return owner.colors_[v0] * b0 + owner.colors_[v1] * hit.b1 + owner.colors_[v2] * hit.b2;
+WideDerivatives Primitives::analytic_derivatives(std::uint32_t primitive, Vec3 normal, Vec2 uv) const {
+  if (is_disk(primitive)) return disk(primitive).derivatives(uv);
+  if (is_curve(primitive)) return curves_.derivatives(primitive - first_curve(), normal, uv);
+  return cylinder(primitive).derivatives(uv);
 }
 
-RgbOf<Float8> Primitives::triangle_colors(const std::array<const Hit*, 8>& hits) const {
-  RgbLanes colors;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) colors.set(lane, color_at(*hits[lane]));
-  return colors.all();
+Rgb Primitives::color_at(const Hit& hit) const {
+  const Primitives& mesh = owner(hit);
+  if (mesh.colors_.empty() || !mesh.is_triangle(hit.primitive)) return Rgb::gray(1);
+  const auto& [v0, v1, v2] = mesh.triangles_[hit.primitive];
+  const float b0 = std::max(0.0f, 1 - hit.b1 - hit.b2);
+  return mesh.colors_[v0] * b0 + mesh.colors_[v1] * hit.b1 + mesh.colors_[v2] * hit.b2;
 }
 
 }  // namespace tessera::core

@@ -1,26 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 // All shapes of a scene as flat arrays, and the instanced objects, which are such arrays themselves. Ids
-// number triangles first, then spheres, disks, cylinders, and at last instances. Hits carry the ids of
-// shapes; inside an instance, the ids are the object's own, and the hit also carries the instance's index.
-// Immutable while rendering.
+// number triangles first, then spheres, disks, cylinders, parts of curves, and at last instances. Hits carry
+// the ids of shapes; inside an instance, the ids are the object's own, and the hit also carries the
+// instance's index. Immutable while rendering.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/base/prefetch.hpp"
 #include "core/geometry/aabb.hpp"
+#include "core/geometry/curves.hpp"
 #include "core/geometry/cylinder.hpp"
 #include "core/geometry/disk.hpp"
 #include "core/geometry/instance.hpp"
+#include "core/geometry/moving_placement.hpp"
 #include "core/geometry/object_point.hpp"
 #include "core/geometry/object_ray.hpp"
 #include "core/geometry/ray.hpp"
 #include "core/geometry/sphere.hpp"
 #include "core/geometry/surface.hpp"
 #include "core/geometry/triangle.hpp"
+#include "core/math/lane_array.hpp"
 #include "core/math/rgb.hpp"
 #include "core/math/simd_double8.hpp"
 #include "core/math/vec3.hpp"
@@ -31,6 +35,10 @@ namespace tessera::core {
 // distances stay finite in float. Intersection itself is safe for any finite float.
 inline constexpr float kMaxCoordinate = 1e15f;
 
+// One in each lane.
+using RayPointers = std::array<const Ray*, kLaneCount>;
+using HitPointers = std::array<const Hit*, kLaneCount>;
+
 class Primitives {
  public:
   using Triangle = std::array<std::uint32_t, 3>;  // indices into the vertex arrays
@@ -40,38 +48,48 @@ class Primitives {
   void reserve(std::size_t vertices, std::size_t triangles);
   // Appends a mesh's vertices and triangles (same conventions as MeshDescription: normals and uvs are empty
   // or as many as positions; indices count from the mesh's own first vertex). All triangles must be added
-  // before all spheres, these before all disks, and these before all cylinders. The arrays of the first mesh
-  // are moved if they are passed as rvalues.
+  // before all spheres, these before all disks, these before all cylinders, and these before all curves. The
+  // arrays of the first mesh are moved if they are passed as rvalues.
   void add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& normals, const std::vector<Vec2>& uvs,
                 std::vector<Triangle> triangles, const std::vector<std::uint32_t>& triangle_materials,
                 const std::vector<Rgb>& colors = {});
   void add_sphere(Vec3 center, float radius, std::uint32_t material);
   void add_disk(const Disk& disk, std::uint32_t material);
   void add_cylinder(const Cylinder& cylinder, std::uint32_t material);
+  // `strands` must be sound (Curves::is_sound).
+  void add_curves(const CurveStrands& strands, std::uint32_t material) { curves_.add(strands, material); }
 
   // Adds an object, which must not contain instances, and returns the index that instances refer to.
   std::uint32_t add_object(Primitives object);
   // Instances must be added last.
   void add_instance(const Instance& instance);
-  // Moves an instance.
+  // Places an instance anew.
   void place_instance(std::uint32_t number, const Placement& placement);
+  // Lets an instance move while the shutter is open.
+  void move_instance(std::uint32_t number, MovingPlacement motion);
+  // Of an instance; null if it does not move.
+  std::shared_ptr<const MovingPlacement> motion_of(const Instance& instance) const {
+    return instance.motion == kStill ? nullptr : motions_[instance.motion];
+  }
+  // Lets no instance move any more.
+  void stop_instances();
+  // Whether hits depend on the times of rays.
+  bool has_motion() const { return !motions_.empty(); }
 
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }
   std::uint32_t sphere_count() const { return static_cast<std::uint32_t>(spheres_.size()); }
   std::uint32_t instance_count() const { return static_cast<std::uint32_t>(instances_.size()); }
   // All primitives but instances.
-  std::uint32_t shape_count() const {
-    return triangle_count() + static_cast<std::uint32_t>(analytic_materials_.size());
-  }
+  std::uint32_t shape_count() const { return first_curve() + curves_.part_count(); }
   std::uint32_t count() const { return shape_count() + instance_count(); }
   bool is_triangle(std::uint32_t primitive) const { return primitive < triangle_count(); }
   bool is_sphere(std::uint32_t primitive) const { return primitive - triangle_count() < sphere_count(); }
   bool is_disk(std::uint32_t primitive) const { return primitive - first_disk() < disks_.size(); }
   bool is_cylinder(std::uint32_t primitive) const { return primitive - first_cylinder() < cylinders_.size(); }
+  // Whether it is a part of a curve.
+  bool is_curve(std::uint32_t primitive) const { return primitive - first_curve() < curves_.part_count(); }
   // Whether the hit is a triangle outside all instances.
   bool is_plain_triangle(const Hit& hit) const { return !hit.in_instance() && is_triangle(hit.primitive); }
-  // Whether the hit is a sphere outside all instances.
-  bool is_plain_sphere(const Hit& hit) const { return !hit.in_instance() && is_sphere(hit.primitive); }
   bool is_instance(std::uint32_t primitive) const { return primitive >= shape_count(); }
 
   const std::vector<Primitives>& objects() const { return objects_; }
@@ -79,18 +97,34 @@ class Primitives {
   // The index of an instance from its primitive id.
   std::uint32_t instance_number(std::uint32_t primitive) const { return primitive - shape_count(); }
   const Primitives& object_of(const Instance& instance) const { return objects_[instance.object]; }
+  // The ray in the space of the instance's object, at the time of the ray.
+  ObjectRay to_object(const Instance& instance, const Ray& ray) const {
+    return instance.motion == kStill ? instance.placement.to_object(ray)
+                                     : motions_[instance.motion]->at(ray.time).to_object(ray);
+  }
+  // Calls what(placement) with the placement of the hit's instance at the time of the hit.
+  template <typename What>
+  auto with_placement(const Hit& hit, const What& what) const {
+    const Instance& shown = instances_[hit.instance];
+    return shown.motion == kStill ? what(shown.placement) : what(motions_[shown.motion]->at(hit.time));
+  }
 
   std::uint32_t material(std::uint32_t primitive) const {
-    return is_triangle(primitive) ? triangle_materials_[primitive]
-                                  : analytic_materials_[primitive - triangle_count()];
+    if (is_triangle(primitive)) return triangle_materials_[primitive];
+    return is_curve(primitive) ? curves_.material(primitive - first_curve())
+                               : analytic_materials_[primitive - triangle_count()];
   }
   std::uint32_t material(const Hit& hit) const;
-  // Prefetches what material() and prefetch_corners() read for a triangle outside all instances.
+  // Whose ids a hit's `primitive` is: the object of its instance, or these primitives.
+  const Primitives& owner(const Hit& hit) const {
+    return hit.in_instance() ? object_of(instances_[hit.instance]) : *this;
+  }
+  // Prefetches what material() and prefetch_corners() read for a triangle of these.
   void prefetch_triangle(std::uint32_t primitive) const {
     prefetch(triangle_materials_[primitive]);
     prefetch(triangles_[primitive]);
   }
-  // Prefetches the first data that triangle_surfaces() reads.
+  // Prefetches the first data that surfaces() reads.
   void prefetch_corners(std::uint32_t primitive) const {
     for (const std::uint32_t vertex : triangles_[primitive]) {
       prefetch(positions_[vertex]);
@@ -110,6 +144,12 @@ class Primitives {
   const Sphere& sphere(std::uint32_t primitive) const { return spheres_[primitive - triangle_count()]; }
   const Disk& disk(std::uint32_t primitive) const { return disks_[primitive - first_disk()]; }
   const Cylinder& cylinder(std::uint32_t primitive) const { return cylinders_[primitive - first_cylinder()]; }
+  CurvePart curve(std::uint32_t primitive) const { return curves_.part(primitive - first_curve()); }
+  // For intersect_curve(), and to prefetch what it reads.
+  Curves::Source curve_source(std::uint32_t primitive) const {
+    return curves_.source(primitive - first_curve());
+  }
+  void prefetch_curve(Curves::Source source) const { curves_.prefetch_points(source); }
 
   // The radius of a sphere that encloses every point that a ray can hit; 0 if there is none.
   double bounding_radius() const;
@@ -117,22 +157,29 @@ class Primitives {
   // Bounds of every point that a ray can hit; empty if there is none, as for triangles without area.
   Aabb bounds(std::uint32_t primitive) const;
 
-  // The area of a shape, which is no instance.
+  // The area of a shape, which is no instance; 0 for parts of curves, which are never sampled.
   double area(std::uint32_t primitive) const;
 
   // Replaces `hit` by this primitive's intersection if that is nearer (or equally near with a lower id) and
   // t < ray.t_max. Returns whether it did.
   bool intersect(std::uint32_t primitive, const Ray& ray, Hit& hit) const;
   bool intersect(std::uint32_t primitive, const ObjectRay& ray, Hit& hit) const;
+  // The same for a part of a curve, whose source is given.
+  template <typename AnyRay>
+  bool intersect_curve(std::uint32_t primitive, Curves::Source source, const AnyRay& ray, Hit& hit) const {
+    const auto found = core::intersect_curve(curves_.part(primitive - first_curve(), source), ObjectRay(ray));
+    return found && hit.improve(ray, {static_cast<float>(found->t), primitive, static_cast<float>(found->u),
+                                      static_cast<float>(found->across)});
+  }
 
   // The surface where `ray` met it; `hit` is the result of intersect() for this ray. Meshes without uvs
   // have uv (0, 0).
   SurfacePoint surface(const Ray& ray, const Hit& hit) const;
-  // The same for eight hits of triangles outside all instances, one in each lane.
-  SurfacePointOf<Float8> triangle_surfaces(const std::array<const Hit*, 8>& hits) const;
-  // The same for eight hits of spheres outside all instances.
-  SurfacePointOf<Float8> sphere_surfaces(const std::array<const Ray*, 8>& rays,
-                                         const std::array<const Hit*, 8>& hits) const;
+  // The surface in each lane, bit-identical to surface() of that lane's ray and hit. Primitives of any kinds,
+  // inside and outside instances, may be mixed (surface_lanes.cpp says how to add a kind).
+  SurfacePointOf<Float8> surfaces(const RayPointers& rays, const HitPointers& hits) const;
+  // The same where is_plain_triangle() holds in all lanes.
+  SurfacePointOf<Float8> triangle_surfaces(const HitPointers& hits) const;
   // The tangents at `point`, the result of surface() for the same hit.
   Tangents tangents(const Hit& hit, const SurfacePoint& point) const;
   UvDerivatives uv_derivatives(const Hit& hit, const SurfacePoint& point) const;
@@ -141,8 +188,8 @@ class Primitives {
   bool has_vertex_colors() const { return has_vertex_colors_; }
   // The vertex colour interpolated at a hit; white if the mesh has none.
   Rgb vertex_color(const Hit& hit) const { return has_vertex_colors_ ? color_at(hit) : Rgb::gray(1); }
-  // The same for eight hits of triangles outside all instances.
-  RgbOf<Float8> triangle_colors(const std::array<const Hit*, 8>& hits) const;
+  // The same for the hit in each lane.
+  RgbOf<Float8> vertex_colors(const HitPointers& hits) const;
 
  private:
   using ObjectPoint = ObjectPointOf<float>;
@@ -165,11 +212,28 @@ class Primitives {
   ObjectPoint sphere_point(const AnyRay& ray, const Hit& hit) const;
   std::uint32_t first_disk() const { return triangle_count() + sphere_count(); }
   std::uint32_t first_cylinder() const { return first_disk() + static_cast<std::uint32_t>(disks_.size()); }
+  std::uint32_t first_curve() const {
+    return triangle_count() + static_cast<std::uint32_t>(analytic_materials_.size());
+  }
   SurfacePoint instance_surface(const Ray& ray, const Hit& hit) const;
+  // Kinds of primitives whose surface points are computed in lanes; the last is all others.
+  enum SurfaceKind { kPlainTriangle, kInstancedTriangle, kPlainSphere, kInstancedSphere, kOtherSurface };
+  static constexpr std::size_t kSurfaceKinds = 5;
+  SurfaceKind surface_kind(const Hit& hit) const;
+  SurfacePointOf<Float8> surfaces_of(SurfaceKind kind, unsigned lanes, const RayPointers& rays,
+                                     const HitPointers& hits) const;
+  AffineMapOf<Double8> placements_of(const HitPointers& hits) const;
+  SurfacePointOf<Float8> instanced_triangle_surfaces(const HitPointers& hits) const;
+  SurfacePointOf<Float8> sphere_surfaces(const RayPointers& rays, const HitPointers& hits) const;
+  SurfacePointOf<Float8> instanced_sphere_surfaces(const RayPointers& rays, const HitPointers& hits) const;
+  SurfacePointOf<Float8> surfaces_one_by_one(unsigned lanes, const RayPointers& rays,
+                                             const HitPointers& hits) const;
   ModelTangents triangle_tangents(const Triangle& triangle) const;
   Tangents instance_tangents(const Hit& hit, const SurfacePoint& point) const;
   // The tangents of a shape at its object-space normal and texture coordinates.
   ModelTangents model_tangents(std::uint32_t primitive, Vec3 normal, Vec2 uv) const;
+  // Of disks, cylinders and curves.
+  WideDerivatives analytic_derivatives(std::uint32_t primitive, Vec3 normal, Vec2 uv) const;
   Rgb color_at(const Hit& hit) const;
   Outline outline() const;
   Aabb instance_box(const Instance& instance) const;
@@ -185,7 +249,9 @@ class Primitives {
   std::vector<Disk> disks_;
   std::vector<Cylinder> cylinders_;
   std::vector<std::uint32_t> analytic_materials_;  // of spheres, disks and cylinders, by their ids
+  Curves curves_;
   std::vector<Instance> instances_;
+  std::vector<std::shared_ptr<const MovingPlacement>> motions_;
   std::vector<Aabb> instance_bounds_;
   std::vector<Primitives> objects_;
   std::vector<Outline> outlines_;  // of the objects

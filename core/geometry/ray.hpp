@@ -14,6 +14,7 @@ template <typename T>
 struct RayOf {
   Vec3Of<T> origin, direction;
   T t_max = std::numeric_limits<float>::infinity();
+  T time = 0.0f;  // from 0, when the shutter opens, to 1, when it closes
 };
 using Ray = RayOf<float>;
 
@@ -25,8 +26,10 @@ inline constexpr std::uint32_t kNoInstance = 0xffffffffu;
 struct Hit {
   float t = std::numeric_limits<float>::infinity();
   std::uint32_t primitive = kNoPrimitive;  // within an instance: an id of its object
-  float b1 = 0, b2 = 0;  // barycentric coordinates of a triangle's second and third corner; unused by spheres
+  // Barycentric coordinates of a triangle's second and third corner; CurveHit's u and across; else unused.
+  float b1 = 0, b2 = 0;
   std::uint32_t instance = kNoInstance;
+  float time = 0;  // the ray's, where instances move
 
   bool found() const { return primitive != kNoPrimitive; }
   bool in_instance() const { return instance != kNoInstance; }

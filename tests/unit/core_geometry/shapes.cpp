@@ -109,6 +109,35 @@ Primitives quadrics(Random& random, std::uint32_t count) {
   return primitives;
 }
 
+// Curves of all bases and shapes, thin and thick, straight and bent.
+void add_random_curves(Primitives& primitives, Random& random, std::uint32_t count, float half_size) {
+  constexpr CurveBasis kBases[] = {CurveBasis::kLinear, CurveBasis::kBezier, CurveBasis::kBSpline,
+                                   CurveBasis::kCatmullRom};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    CurveStrands strands{
+        kBases[random.below(4)], i % 2 == 0 ? CurveShape::kRound : CurveShape::kFlat, {}, {}, {7}, {}};
+    const float size = half_size * std::ldexp(0.3f, -static_cast<int>(random.below(4)));
+    Vec3 at = random.in_box(half_size);
+    for (int k = 0; k < 7; ++k) {
+      strands.points.push_back(at);
+      strands.radii.push_back(size * std::ldexp(0.5f, -static_cast<int>(random.below(8))));
+      at = at + random.in_box(size);
+    }
+    primitives.add_curves(strands, 0);
+  }
+}
+
+// Also in instances.
+Primitives curves(Random& random, std::uint32_t count) {
+  Primitives primitives = mixed(random, count / 8 + 1);
+  add_random_curves(primitives, random, count / 32 + 1, 1);
+  Primitives object = uniform(random, 3, 0.5f, 0.5f);
+  add_random_curves(object, random, count / 64 + 1, 0.5f);
+  primitives.add_object(std::move(object));
+  for (std::uint32_t i = 0; i < 5; ++i) primitives.add_instance({Placement(random_transform(random, 1)), 0});
+  return primitives;
+}
+
 // A few of the scene's own, among instances of two objects, each third of which stands where the one before
 // it does.
 Primitives instances(Random& random, std::uint32_t count) {
@@ -213,6 +242,7 @@ std::vector<Soup> all_soups(std::uint32_t count) {
   soups.push_back({"instances", instances(random, count), 1.5f});
   soups.push_back({"tiny", uniform(random, count, 1e-18f, 2e-19f), 1.5e-18f});
   soups.push_back({"quadrics", quadrics(random, count), 1.5f});
+  soups.push_back({"curves", curves(random, count), 1.5f});
   soups.push_back(
       {"largest", uniform(random, count, 0.8f * kMaxCoordinate, 0.2f * kMaxCoordinate), kMaxCoordinate});
   soups.push_back({"huge", uniform(random, count, 1e30f, 3e29f), 1.5e30f});
@@ -243,6 +273,13 @@ Vec3 point_of(const Primitives& primitives, Random& random) {
   }
   if (primitives.is_cylinder(id))
     return primitives.cylinder(id).position({random.uniform(0, 1), random.uniform(0, 1)}).rounded();
+  if (primitives.is_curve(id)) {
+    const CurvePart part = primitives.curve(id);
+    const Vec3 w = random.weights();
+    const Vec3d on = static_cast<double>(w.x) * part.points[0] + static_cast<double>(w.y) * part.points[1] +
+                     static_cast<double>(w.z) * part.points[3];
+    return on.rounded() + static_cast<float>(part.max_radius()) * random.in_box(1);
+  }
   const TriangleCorners corners = primitives.triangle_corners(id);
   const Vec3 w = random.weights();
   return w.x * corners[0] + w.y * corners[1] + w.z * corners[2];
