@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blends, resolved at a point: one part scatters, chosen by a random number, so that every part keeps its own
-// BSDF, maps and sampling. `all` are the scene's materials.
+// Which light a surface lets pass straight through, and which material scatters the rest. Blends are resolved
+// at a point: one part scatters, chosen by a random number, so that every part keeps its own BSDF, maps and
+// sampling. `all` are the scene's materials.
 #pragma once
 
 #include <vector>
@@ -9,14 +10,20 @@
 
 namespace tessera::core {
 
-// The probability that light hits the surface, in [0, 1]: that of a blend is the mean of its parts', times
-// its own.
-float opacity_at(const Material& material, const std::vector<Material>& all,
-                 const std::vector<Texture>& textures, Vec2 uv);
+// What a surface does to a straight ray of light.
+struct Interception {
+  float hit = 1;        // the probability that the light is scattered, in [0, 1]
+  Rgb transmittance{};  // the share that passes straight through
+};
+
+// `cosine` is that of the angle between the ray and the shading normal, in [0, 1]. A blend does the mean of
+// what its parts do.
+Interception interception_at(const Material& material, const std::vector<Material>& all,
+                             const std::vector<Texture>& textures, Vec2 uv, float cosine);
 
 // The material that scatters light which hits `material`: itself, or a part of the blend. `u` in [0, 1)
-// chooses among the parts in proportion to what of their weight is opaque.
+// chooses among the parts in proportion to what of their weight is hit.
 const Material& scatterer_at(const Material& material, const std::vector<Material>& all,
-                             const std::vector<Texture>& textures, Vec2 uv, float u);
+                             const std::vector<Texture>& textures, Vec2 uv, float cosine, float u);
 
 }  // namespace tessera::core

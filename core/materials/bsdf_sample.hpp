@@ -2,6 +2,8 @@
 // The results of BSDFs: value and density for a pair of directions, and sampled directions.
 #pragma once
 
+#include <optional>
+
 #include "core/math/rgb.hpp"
 #include "core/math/vec3.hpp"
 
@@ -22,6 +24,36 @@ struct BsdfSample {
   bool transmitted = false;
   float eta = 1;  // for transmission: index of refraction on the far side over the near side
 };
+
+// A sample in each lane. T is float for one, or Float8 for one in each lane.
+template <typename T>
+struct BsdfSampleOf {
+  MaskOf<T> found{}, delta{}, transmitted{};
+  Vec3Of<T> wi_local;
+  RgbOf<T> weight;  // the rest as in BsdfSample
+  T pdf{}, eta = T(1.0f);
+};
+
+// `a` where the mask is set, else `b`.
+template <typename T>
+BsdfSampleOf<T> select(MaskOf<T> mask, const BsdfSampleOf<T>& a, const BsdfSampleOf<T>& b) {
+  return {select_mask(mask, a.found, b.found),
+          select_mask(mask, a.delta, b.delta),
+          select_mask(mask, a.transmitted, b.transmitted),
+          select(mask, a.wi_local, b.wi_local),
+          select(mask, a.weight, b.weight),
+          select(mask, a.pdf, b.pdf),
+          select(mask, a.eta, b.eta)};
+}
+
+// A sample of one point.
+inline std::optional<BsdfSample> alone(const std::optional<BsdfSample>& sample) {
+  return sample;
+}
+inline std::optional<BsdfSample> alone(const BsdfSampleOf<float>& sample) {
+  if (!sample.found) return std::nullopt;
+  return BsdfSample{sample.wi_local, sample.weight, sample.pdf, sample.delta, sample.transmitted, sample.eta};
+}
 
 inline BsdfSample delta_sample(Vec3 wi_local, Rgb weight) {
   BsdfSample sample;

@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "core/materials/fresnel.hpp"
 #include "core/materials/microfacet.hpp"
+#include "core/math/simd_double8.hpp"
+#include "core/math/word_lanes.hpp"
 
 namespace tessera::core {
 namespace {
@@ -21,37 +24,36 @@ float place_of(std::size_t node, std::size_t nodes) {
 }
 
 // A place between two nodes of a table's axis.
+template <typename T>
 struct Between {
   // `place` runs from 0 to 1 over all nodes.
-  Between(float place, std::size_t nodes) {
-    const float scaled = std::clamp(place, 0.0f, 1.0f) * static_cast<float>(nodes - 1);
-    low = std::min(static_cast<std::size_t>(scaled), nodes - 2);
-    share = scaled - static_cast<float>(low);
+  Between(T place, std::uint32_t nodes) {
+    const T scaled = clamp_between(place, 0.0f, 1.0f) * static_cast<float>(nodes - 1);
+    low = smaller_word(to_word(scaled), WordOf<T>(nodes - 2));  // also of NaN
+    share = scaled - to_float(low);
   }
 
-  float mix(float at_low, float at_high) const { return at_low + share * (at_high - at_low); }
+  T mix(T at_low, T at_high) const { return at_low + share * (at_high - at_low); }
 
-  std::size_t low;
-  float share;
+  WordOf<T> low;
+  T share;
 };
 
-template <typename Plane>
-float look_up(const Plane& plane, const Between& roughness, const Between& cosine) {
-  const auto along_cosine = [&](std::size_t row) {
-    return cosine.mix(plane[row][cosine.low], plane[row][cosine.low + 1]);
+// Between the four nodes of the rows and columns of a table of kColumns, from `first` on.
+template <std::uint32_t kColumns, typename T>
+T interpolated(const float* table, WordOf<T> first, const Between<T>& row, const Between<T>& column) {
+  const WordOf<T> corner = first + row.low * WordOf<T>(kColumns) + column.low;
+  const auto along_row = [&](WordOf<T> at) {
+    return column.mix(look_up(table, at), look_up(table, at + WordOf<T>(1)));
   };
-  return roughness.mix(along_cosine(roughness.low), along_cosine(roughness.low + 1));
+  return row.mix(along_row(corner), along_row(corner + WordOf<T>(kColumns)));
 }
 
-template <typename Planes>
-float look_up(const Planes& planes, const Between& index, const Between& roughness, const Between& cosine) {
-  return index.mix(look_up(planes[index.low], roughness, cosine),
-                   look_up(planes[index.low + 1], roughness, cosine));
-}
-
-float place_of_index(float eta) {
-  const float thicker = eta < 1 ? 1 / eta : eta;
-  return std::sqrt((thicker - 1) / (thicker + 1) / kMaxContrast);
+template <typename T>
+T place_of_index(T eta) {
+  using std::sqrt;
+  const T thicker = select(eta < 1, 1 / eta, eta);
+  return sqrt((thicker - 1) / (thicker + 1) / kMaxContrast);
 }
 
 float index_at(std::size_t node, std::size_t nodes) {
@@ -93,11 +95,45 @@ std::vector<Node> disk_nodes() {
   return nodes;
 }
 
+// Nodes for Microfacets::sample_visible(), whose slopes along and across the plane of wo are independent.
+// Half of those across are enough. Their steps narrow towards the steepest slopes.
+std::vector<Node> slope_nodes() {
+  constexpr int kAlong = 32, kAcross = 12;
+  std::vector<Node> nodes;
+  for (int along = 0; along < kAlong; ++along) {
+    const float t = (static_cast<float>(along) + 0.5f) / kAlong;
+    const float share = 6 * t * (1 - t) / kAlong;  // the derivative of the place
+    for (int across = 0; across < kAcross; ++across)
+      nodes.push_back({{t * t * (3 - 2 * t), 0.5f + (static_cast<float>(across) + 0.5f) / (2 * kAcross)},
+                       share / kAcross});
+  }
+  return nodes;
+}
+
+const std::vector<Node>& nodes_for(const Ggx&) {
+  static const std::vector<Node> nodes = disk_nodes();
+  return nodes;
+}
+const std::vector<Node>& nodes_for(const Microfacets& facets) {
+  static const std::vector<Node> slopes = slope_nodes();
+  return facets.kind().distribution == MicrofacetDistribution::kGgx ? nodes_for(Ggx(1)) : slopes;
+}
+
+// G2 / G1, by the cosines to the normal.
+float unmasked_share(const Ggx& facets, float cos_o, float cos_i) {
+  return 4 * cos_i * cos_o * facets.smith_visibility(cos_o, cos_i) / facets.visible(cos_o);
+}
+float unmasked_share(const Microfacets& facets, float cos_o, float cos_i) {
+  const Vec3 wo = at_cosine(cos_o), wi = at_cosine(cos_i);
+  return 4 * cos_i * cos_o * facets.smith_visibility(wo, wi) / facets.visible(wo);
+}
+
 // The light that one microfacet normal adds, of those visible.
+template <typename Facets>
 class Facet {
  public:
-  Facet(const Ggx& ggx, Vec3 wo, Vec2 u)
-      : ggx_(ggx), wo_(wo), h_(ggx.sample_visible(wo, u)), cos_oh_(std::max(0.0f, dot(wo, h_))) {
+  Facet(const Facets& facets, Vec3 wo, Vec2 u)
+      : facets_(facets), wo_(wo), h_(facets.sample_visible(wo, u)), cos_oh_(std::max(0.0f, dot(wo, h_))) {
     const Vec3 wi = reflect(wo_, h_);
     reflection_ = wi.z > 0 ? unmasked(wi.z) : 0;
   }
@@ -110,90 +146,154 @@ class Facet {
   }
 
  private:
-  // G2 / G1.
-  float unmasked(float cos_i) const {
-    return 4 * cos_i * wo_.z * ggx_.smith_visibility(wo_.z, cos_i) / ggx_.visible(wo_.z);
-  }
+  float unmasked(float cos_i) const { return unmasked_share(facets_, wo_.z, cos_i); }
 
-  const Ggx& ggx_;
+  const Facets& facets_;
   Vec3 wo_, h_;
   float cos_oh_, reflection_;
 };
 
 }  // namespace
 
-const DirectionalAlbedo& DirectionalAlbedo::tables() {
-  static const DirectionalAlbedo all;
-  return all;
+const DirectionalAlbedo& DirectionalAlbedo::tables(MicrofacetKind kind) {
+  using enum MicrofacetDistribution;
+  using enum SmithMasking;
+  if (kind.is_correlated_ggx()) {
+    static const DirectionalAlbedo correlated_ggx{MicrofacetKind{}};
+    return correlated_ggx;
+  }
+  if (kind.distribution == kGgx) {
+    static const DirectionalAlbedo separable_ggx{MicrofacetKind{kGgx, kSeparable}};
+    return separable_ggx;
+  }
+  if (kind.masking == kCorrelated) {
+    static const DirectionalAlbedo correlated_beckmann{MicrofacetKind{kBeckmann, kCorrelated}};
+    return correlated_beckmann;
+  }
+  static const DirectionalAlbedo separable_beckmann{MicrofacetKind{kBeckmann, kSeparable}};
+  return separable_beckmann;
 }
 
-DirectionalAlbedo::DirectionalAlbedo() {
+DirectionalAlbedo::DirectionalAlbedo(MicrofacetKind kind) {
   for (std::size_t cosine = 0; cosine < kCosines; ++cosine) {
     fill_smooth(cosine);
-    for (std::size_t roughness = 1; roughness < kRoughnesses; ++roughness) integrate(roughness, cosine);
+    for (std::size_t roughness = 1; roughness < kRoughnesses; ++roughness) {
+      const float root_alpha = place_of(roughness, kRoughnesses), alpha = root_alpha * root_alpha;
+      if (kind.is_correlated_ggx())
+        integrate(Ggx(alpha), roughness, cosine);
+      else
+        integrate(Microfacets(kind, alpha), roughness, cosine);
+    }
   }
   for (std::size_t roughness = 0; roughness < kRoughnesses; ++roughness)
-    for (std::size_t index = 0; index < kIndices; ++index)
-      mean_transmitted_[roughness][index] = mean_transmitted(roughness, index);
+    for (std::size_t index = 0; index < kIndices; ++index) integrate_means(roughness, index);
 }
 
 void DirectionalAlbedo::fill_smooth(std::size_t cosine) {
   reflecting_[0][cosine] = 1;
   for (std::size_t index = 0; index < kIndices; ++index) {
     reflected_[index][0][cosine] = fresnel_dielectric(cosine_at(cosine, kCosines), index_at(index, kIndices));
-    scattered_outside_[index][0][cosine] = scattered_inside_[index][0][cosine] = 1;
+    scattered_[0][index][0][cosine] = scattered_[1][index][0][cosine] = 1;
   }
 }
 
-void DirectionalAlbedo::integrate(std::size_t roughness, std::size_t cosine) {
-  const float root_alpha = place_of(roughness, kRoughnesses), cos_o = cosine_at(cosine, kCosines);
-  const Ggx ggx(root_alpha * root_alpha);
+template <typename Facets>
+void DirectionalAlbedo::integrate(const Facets& facets, std::size_t roughness, std::size_t cosine) {
+  const float cos_o = cosine_at(cosine, kCosines);
   const Vec3 wo{std::sqrt(1 - cos_o * cos_o), 0, cos_o};
-  static const std::vector<Node> kNodes = disk_nodes();
-  for (const auto& [u, share] : kNodes) {
-    const Facet facet(ggx, wo, u);
+  for (const auto& [u, share] : nodes_for(facets)) {
+    const Facet<Facets> facet(facets, wo, u);
     reflecting_[roughness][cosine] += facet.reflection() * share;
     for (std::size_t index = 0; index < kIndices; ++index) {
       const float eta = index_at(index, kIndices);
       const float reflected = facet.reflected(eta);
       reflected_[index][roughness][cosine] += reflected * share;
-      scattered_outside_[index][roughness][cosine] += (reflected + facet.transmitted(eta)) * share;
-      scattered_inside_[index][roughness][cosine] +=
+      scattered_[0][index][roughness][cosine] += (reflected + facet.transmitted(eta)) * share;
+      scattered_[1][index][roughness][cosine] +=
           (facet.reflected(1 / eta) + facet.transmitted(1 / eta)) * share;
     }
   }
 }
 
-float DirectionalAlbedo::mean_transmitted(std::size_t roughness, std::size_t index) const {
+void DirectionalAlbedo::integrate_means(std::size_t roughness, std::size_t index) {
   constexpr int kSteps = 256;
-  const Between row(place_of(roughness, kRoughnesses), kRoughnesses);
-  double sum = 0;
+  const Between<float> row(place_of(roughness, kRoughnesses), kRoughnesses);
+  double sum = 0, inside = 0;
   for (int i = 0; i < kSteps; ++i) {
     const float cos_o = std::sqrt((static_cast<float>(i) + 0.5f) / kSteps);  // uniform in its square
-    const Between cosine(std::sqrt(cos_o), kCosines);
-    sum += static_cast<double>(look_up(scattered_outside_[index], row, cosine) -
-                               look_up(reflected_[index], row, cosine));
+    const Between<float> cosine(std::sqrt(cos_o), kCosines);
+    const auto at = [&](const Plane& plane) {
+      return interpolated<kCosines, float>(plane[0].data(), 0, row, cosine);
+    };
+    sum += static_cast<double>(at(scattered_[0][index]) - at(reflected_[index]));
+    inside += static_cast<double>(at(scattered_[1][index]));
   }
-  return static_cast<float>(sum / kSteps);
+  mean_transmitted_[roughness][index] = static_cast<float>(sum / kSteps);
+  mean_scattered_inside_[roughness][index] = static_cast<float>(inside / kSteps);
 }
 
-float DirectionalAlbedo::reflecting(float cos_o, float alpha) const {
-  return look_up(reflecting_, Between(std::sqrt(alpha), kRoughnesses), Between(std::sqrt(cos_o), kCosines));
+namespace {
+
+// Numbers of a table's plane, which has a row for each roughness.
+constexpr std::uint32_t kCosineNodes = 16, kPlane = 16 * kCosineNodes;
+
+// Between two planes of a table, which has one for each index.
+template <typename T>
+T interpolated_planes(const float* table, WordOf<T> first, T cos_o, T alpha, T eta) {
+  using std::sqrt;
+  const Between<T> index(place_of_index(eta), 16), row(sqrt(alpha), 16), column(sqrt(cos_o), kCosineNodes);
+  const WordOf<T> lower = first + index.low * WordOf<T>(kPlane);
+  return index.mix(interpolated<kCosineNodes>(table, lower, row, column),
+                   interpolated<kCosineNodes>(table, lower + WordOf<T>(kPlane), row, column));
 }
 
-float DirectionalAlbedo::reflected(float cos_o, float alpha, float eta) const {
-  return look_up(reflected_, Between(place_of_index(eta), kIndices), Between(std::sqrt(alpha), kRoughnesses),
-                 Between(std::sqrt(cos_o), kCosines));
+}  // namespace
+
+template <typename T>
+T DirectionalAlbedo::reflecting(std::type_identity_t<T> cos_o, std::type_identity_t<T> alpha) const {
+  using std::sqrt;
+  return interpolated<kCosines>(reflecting_[0].data(), WordOf<T>(0), Between<T>(sqrt(alpha), kRoughnesses),
+                                Between<T>(sqrt(cos_o), kCosines));
 }
 
-float DirectionalAlbedo::scattered(float cos_o, float alpha, float eta) const {
-  return look_up(eta < 1 ? scattered_inside_ : scattered_outside_, Between(place_of_index(eta), kIndices),
-                 Between(std::sqrt(alpha), kRoughnesses), Between(std::sqrt(cos_o), kCosines));
+template <typename T>
+T DirectionalAlbedo::reflected(std::type_identity_t<T> cos_o, std::type_identity_t<T> alpha,
+                               std::type_identity_t<T> eta) const {
+  return interpolated_planes<T>(reflected_[0][0].data(), WordOf<T>(0), cos_o, alpha, eta);
 }
 
-float DirectionalAlbedo::mean_transmitted(float alpha, float eta) const {
-  return look_up(mean_transmitted_, Between(std::sqrt(alpha), kRoughnesses),
-                 Between(place_of_index(eta), kIndices));
+template <typename T>
+T DirectionalAlbedo::scattered(std::type_identity_t<T> cos_o, std::type_identity_t<T> alpha,
+                               std::type_identity_t<T> eta) const {
+  const WordOf<T> first = select(eta < 1, WordOf<T>(kIndices * kPlane), WordOf<T>(0));
+  return interpolated_planes<T>(scattered_[0][0][0].data(), first, cos_o, alpha, eta);
 }
+
+template <typename T>
+T DirectionalAlbedo::mean_transmitted(std::type_identity_t<T> alpha, std::type_identity_t<T> eta) const {
+  using std::sqrt;
+  return interpolated<kIndices>(mean_transmitted_[0].data(), WordOf<T>(0),
+                                Between<T>(sqrt(alpha), kRoughnesses),
+                                Between<T>(place_of_index<T>(eta), kIndices));
+}
+
+template <typename T>
+T DirectionalAlbedo::mean_scattered_inside(std::type_identity_t<T> alpha, std::type_identity_t<T> eta) const {
+  using std::sqrt;
+  return interpolated<kIndices>(mean_scattered_inside_[0].data(), WordOf<T>(0),
+                                Between<T>(sqrt(alpha), kRoughnesses),
+                                Between<T>(place_of_index<T>(eta), kIndices));
+}
+
+template float DirectionalAlbedo::reflecting<float>(float, float) const;
+template Float8 DirectionalAlbedo::reflecting<Float8>(Float8, Float8) const;
+template float DirectionalAlbedo::reflected<float>(float, float, float) const;
+template Float8 DirectionalAlbedo::reflected<Float8>(Float8, Float8, Float8) const;
+template float DirectionalAlbedo::scattered<float>(float, float, float) const;
+template Float8 DirectionalAlbedo::scattered<Float8>(Float8, Float8, Float8) const;
+template float DirectionalAlbedo::mean_transmitted<float>(float, float) const;
+template Float8 DirectionalAlbedo::mean_transmitted<Float8>(Float8, Float8) const;
+template float DirectionalAlbedo::mean_scattered_inside<float>(float, float) const;
+template Float8 DirectionalAlbedo::mean_scattered_inside<Float8>(Float8, Float8) const;
 
 }  // namespace tessera::core

@@ -21,17 +21,50 @@ enum class DielectricFresnel {
 
 // Unpolarised reflectance of a dielectric boundary (Born and Wolf 1999, section 1.5.2). eta is the index on
 // the far side over the near side. 1 for total internal reflection.
-float fresnel_dielectric(float cos_i, float eta);
-
-// Schlick 1994, using the angle in the thinner medium, which handles total internal reflection.
-float fresnel_dielectric_schlick(float cos_i, float eta);
-
-float dielectric_reflectance(DielectricFresnel fresnel, float cos_i, float eta);
+template <typename T = float>
+T fresnel_dielectric(std::type_identity_t<T> cos_i, std::type_identity_t<T> eta) {
+  using std::sqrt;
+  const T sin2_t = (1 - cos_i * cos_i) / (eta * eta);
+  const T cos_t = sqrt(1 - sin2_t);
+  const T parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+  const T perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+  return select(sin2_t >= 1, T(1.0f), (parallel * parallel + perpendicular * perpendicular) / 2);
+}
 
 template <typename T>
 T fifth_power(T x) {
   const T x2 = x * x;
   return x2 * x2 * x;
+}
+
+// Schlick 1994, using the angle in the thinner medium, which handles total internal reflection.
+template <typename T = float>
+T fresnel_dielectric_schlick(std::type_identity_t<T> cos_i, std::type_identity_t<T> eta) {
+  using std::sqrt;
+  const T sin2_t = (1 - cos_i * cos_i) / (eta * eta);
+  const T contrast = (eta - 1) / (eta + 1), f0 = contrast * contrast;
+  const T thinner_cos = select(eta < 1, sqrt(1 - sin2_t), cos_i);
+  return select(sin2_t >= 1, T(1.0f), f0 + (1 - f0) * fifth_power(1 - thinner_cos));
+}
+
+// The reflectance by the model in each lane; exact where neither is set.
+template <typename T>
+struct DielectricFresnelOf {
+  T operator()(T cos_i, T eta) const {
+    T reflected = fresnel_dielectric<T>(cos_i, eta);
+    if (any(schlick)) reflected = select(schlick, fresnel_dielectric_schlick<T>(cos_i, eta), reflected);
+    if (any(none))
+      reflected = select(none, select(1 - cos_i * cos_i >= eta * eta, T(1.0f), T(0.0f)), reflected);
+    return reflected;
+  }
+
+  MaskOf<T> schlick{}, none{};
+};
+inline DielectricFresnelOf<float> fresnel_of(DielectricFresnel model) {
+  return {model == DielectricFresnel::kSchlick, model == DielectricFresnel::kNone};
+}
+inline float dielectric_reflectance(DielectricFresnel model, float cos_i, float eta) {
+  return fresnel_of(model)(cos_i, eta);
 }
 
 // Schlick 1994, from the reflectance at normal incidence.
@@ -69,7 +102,20 @@ Vec3Of<T> reflect(Vec3Of<T> w, Vec3Of<T> normal) {
   return normal * (2 * dot(w, normal)) - w;
 }
 
-// Snell's law. `normal` is on the side of `w`; eta as above. Returns nothing for total internal reflection.
+// Snell's law. `normal` is on the side of `w`; eta as above. Not found for total internal reflection.
+template <typename T>
+struct RefractedOf {
+  MaskOf<T> found;
+  Vec3Of<T> wi;
+};
+template <typename T>
+RefractedOf<T> refracted(Vec3Of<T> w, Vec3Of<T> normal, T eta) {
+  using std::sqrt;
+  const T cos_i = dot(w, normal);
+  const T sin2_t = (1 - cos_i * cos_i) / (eta * eta);
+  const T cos_t = sqrt(1 - sin2_t);
+  return {!(sin2_t >= 1), -w / eta + normal * (cos_i / eta - cos_t)};
+}
 std::optional<Vec3> refract(Vec3 w, Vec3 normal, float eta);
 
 }  // namespace tessera::core

@@ -2,9 +2,7 @@
 // Materials. A Material is a model with its parameters, possibly textured, and emission; bsdf.hpp evaluates
 // and samples it at a point. docs/materials.md gives the formulae.
 //
-// To add a model: add a struct with its parameters here, its case in visit_parameters and in bsdf.cpp, its
-// BSDF in its own file, its entry in the scene loader, in scenes/scene.schema.json and in the
-// documentation, and its rows in the tests of all BSDFs.
+// docs/architecture.md tells how to add a model.
 #pragma once
 
 #include <concepts>
@@ -18,13 +16,15 @@
 
 #include "core/materials/conductor.hpp"
 #include "core/materials/fresnel.hpp"
+#include "core/materials/limits.hpp"
+#include "core/materials/microfacets.hpp"
 #include "core/media/medium_description.hpp"
 #include "core/textures/texture.hpp"
 
 namespace tessera::core {
 
 // Upper limits of parameters; texture values are clamped to them.
-inline constexpr float kMaxIor = 10, kMaxExponent = 1e5f;
+inline constexpr float kMaxIor = 10, kMaxExponent = 1e5f, kMaxHairTiltDegrees = 20;
 
 // Ideal diffuse reflection on both sides (Lambert 1760).
 struct Lambert {
@@ -36,7 +36,7 @@ struct Mirror {
   ColorParameter reflectance{Rgb::gray(1)};
 };
 
-// Dielectric boundary, smooth or with GGX microfacets (Walter et al. 2007). The inside is the side that the
+// Dielectric boundary, smooth or with microfacets (Walter et al. 2007). The inside is the side that the
 // geometric normal points away from; outside is air.
 struct Glass {
   ScalarParameter ior = 1.5f;  // of the inside, relative to the outside
@@ -44,6 +44,7 @@ struct Glass {
   ColorParameter transmittance{Rgb::gray(1)};
   DielectricFresnel fresnel = DielectricFresnel::kExact;
   ScalarParameter roughness = 0;  // alpha is its square; smooth if that is below kMinAlpha
+  MicrofacetKind microfacets{};
 };
 
 // The sampling density of Phong's highlight, by the angle alpha to the mirror direction: proportional to
@@ -116,6 +117,9 @@ struct Plastic {
   ScalarParameter ior = 1.5f;
   ScalarParameter roughness = 0;  // alpha is its square; smooth if that is below kMinAlpha
   bool nonlinear = false;         // each reflection inside takes the base's colour; else only the first
+  MicrofacetKind microfacets{};
+  bool compensated =
+      true;  // light between microfacets stays inside; else it is lost, as by single scattering
 };
 
 // A metal of complex index eta + i k in each channel. The defaults reflect everything.
@@ -125,6 +129,7 @@ struct ConductorMaterial {
   ColorParameter specular{Rgb::gray(1)};  // tint
   ScalarParameter roughness = 0;          // alpha is its square; a mirror if that is below kMinAlpha
   ScalarParameter anisotropy = 0;         // as Principled's
+  MicrofacetKind microfacets{};
 };
 
 // Diffuse reflection, and diffuse transmission to the other side.
@@ -141,6 +146,23 @@ struct ThinDielectric {
   ColorParameter transmittance{Rgb::gray(1)};
 };
 
+// What absorbs light in hair.
+enum class HairPigment { kReflectance, kAbsorption, kMelanin };
+
+// A hair or a strand of fur (Chiang et al. 2016), for curves: a dielectric cylinder with scales and pigment.
+struct Hair {
+  HairPigment pigment = HairPigment::kMelanin;
+  ColorParameter reflectance{Rgb::gray(0.5f)};  // of much hair, for kReflectance
+  ColorParameter sigma_a{Rgb{}};                // absorption per radius of the hair, for kAbsorption
+  // Concentrations, for kMelanin: eumelanin from 0.3 (blond) over 1.3 (brown) to 8 (black).
+  ScalarParameter eumelanin = 1.3f;
+  ScalarParameter pheomelanin = 0;
+  ScalarParameter beta_m = 0.3f;  // roughness along the hair and around it, from 0 to 1
+  ScalarParameter beta_n = 0.3f;
+  ScalarParameter ior = 1.55f;
+  float tilt_degrees = 2;  // of the scales on the hair
+};
+
 // Two materials, mixed point by point, with their normal and bump maps and opacities. The blend's own maps
 // and the emission of its parts count for nothing.
 struct Blend {
@@ -154,7 +176,7 @@ inline constexpr int kMaxBlendDepth = 8;  // of blends of blends
 struct Null {};
 
 using MaterialModel = std::variant<Lambert, Mirror, Glass, Phong, CookTorrance, Principled, Plastic,
-                                   ConductorMaterial, DiffuseTransmission, ThinDielectric, Blend, Null>;
+                                   ConductorMaterial, DiffuseTransmission, ThinDielectric, Blend, Null, Hair>;
 
 // The sampling strategy for directions.
 enum class Sampling {
@@ -186,7 +208,7 @@ struct Material {
   Sampling sampling = Sampling::kBsdf;
   NormalMap normal_map{};
   BumpMap bump{};  // applied after the normal map
-  // The probability that light hits the surface; else it passes straight through. In [0, 1]; texture values
+  // The probability that light meets the surface; else it passes straight through. In [0, 1]; texture values
   // are clamped. It multiplies emission.
   ScalarParameter opacity = 1;
   // Whether the side that the geometric normal points away from scatters light, too; else it is black. All
@@ -196,10 +218,20 @@ struct Material {
   MediumInterface media{};
 };
 
-// Whether light passes through the surface only by its model's transmission. `all` are the scene's materials,
-// to which blends refer.
+// Whether all light that the model transmits passes straight through: a pane, or a boundary between equal
+// indices. Rays then go on behind it (interception_at); only what it reflects is scattered. Surfaces that
+// emit stop all rays.
+inline bool passes_straight(const Material& material) {
+  if (!is_black(material.emission.value)) return false;
+  if (const auto* glass = std::get_if<Glass>(&material.model))
+    return glass->ior.texture < 0 && glass->ior.value - 1 < kMinBending;
+  return std::holds_alternative<ThinDielectric>(material.model);
+}
+
+// Whether the surface stops every ray: light passes it only by its model's transmission. `all` are the
+// scene's materials, to which blends refer.
 inline bool is_opaque(const Material& material, const std::vector<Material>& all) {
-  if (std::holds_alternative<Null>(material.model)) return false;
+  if (std::holds_alternative<Null>(material.model) || passes_straight(material)) return false;
   if (const auto* blend = std::get_if<Blend>(&material.model))
     if (!is_opaque(all[blend->first], all) || !is_opaque(all[blend->second], all)) return false;
   return material.opacity.texture < 0 && material.opacity.value >= 1;
@@ -211,7 +243,12 @@ inline bool transmits_light(const MaterialModel& model) {
     return principled->geometry_thin_walled || principled->transmission_weight.texture >= 0 ||
            principled->transmission_weight.value > 0;
   return std::holds_alternative<Glass>(model) || std::holds_alternative<DiffuseTransmission>(model) ||
-         std::holds_alternative<ThinDielectric>(model);
+         std::holds_alternative<ThinDielectric>(model) || std::holds_alternative<Hair>(model);
+}
+
+// Whether the side that the geometric normal points away from is black.
+inline bool is_one_sided(const Material& material) {
+  return !material.two_sided && !transmits_light(material.model);
 }
 
 // Whether the transmission colour is that of a medium inside, which a Scene adds, rather than a tint at each
@@ -229,13 +266,14 @@ inline bool has_subsurface(const MaterialModel& model) {
          (principled->subsurface_weight.texture >= 0 || principled->subsurface_weight.value > 0);
 }
 
-// Whether highlights are longer in one direction than in the other.
+// Whether highlights have a direction: they are longer in one than in the other, or lie across a hair.
 inline bool is_anisotropic(const MaterialModel& model) {
   const auto can_differ = [](const ScalarParameter& anisotropy) {
     return anisotropy.texture >= 0 || anisotropy.value > 0;
   };
   if (const auto* principled = std::get_if<Principled>(&model))
     return can_differ(principled->specular_roughness_anisotropy);
+  if (std::holds_alternative<Hair>(model)) return true;
   const auto* conductor = std::get_if<ConductorMaterial>(&model);
   return conductor != nullptr && can_differ(conductor->anisotropy);
 }
@@ -251,29 +289,29 @@ concept ModelOf = std::same_as<std::remove_const_t<Model>, T>;
 
 // Calls visit(key, parameter) for each ColorParameter and ScalarParameter of `model`, with its key in scene
 // files.
-template <typename Visit>
-void visit_parameters(const Lambert& model, const Visit& visit) {
+template <ModelOf<Lambert> Model, typename Visit>
+void visit_parameters(Model& model, const Visit& visit) {
   visit("albedo", model.albedo);
 }
-template <typename Visit>
-void visit_parameters(const Mirror& model, const Visit& visit) {
+template <ModelOf<Mirror> Model, typename Visit>
+void visit_parameters(Model& model, const Visit& visit) {
   visit("reflectance", model.reflectance);
 }
-template <typename Visit>
-void visit_parameters(const Glass& model, const Visit& visit) {
+template <ModelOf<Glass> Model, typename Visit>
+void visit_parameters(Model& model, const Visit& visit) {
   visit("ior", model.ior);
   visit("reflectance", model.reflectance);
   visit("transmittance", model.transmittance);
   visit("roughness", model.roughness);
 }
-template <typename Visit>
-void visit_parameters(const Phong& model, const Visit& visit) {
+template <ModelOf<Phong> Model, typename Visit>
+void visit_parameters(Model& model, const Visit& visit) {
   visit("diffuse", model.diffuse);
   visit("specular", model.specular);
   visit("exponent", model.exponent);
 }
-template <typename Visit>
-void visit_parameters(const CookTorrance& model, const Visit& visit) {
+template <ModelOf<CookTorrance> Model, typename Visit>
+void visit_parameters(Model& model, const Visit& visit) {
   visit("diffuse", model.diffuse);
   visit("specular", model.specular);
   visit("f0", model.f0);
@@ -337,11 +375,25 @@ template <ModelOf<Blend> Model, typename Visit>
 void visit_parameters(Model& model, const Visit& visit) {
   visit("weight", model.weight);
 }
+template <ModelOf<Hair> Model, typename Visit>
+void visit_parameters(Model& model, const Visit& visit) {
+  visit("reflectance", model.reflectance);
+  visit("sigma_a", model.sigma_a);
+  visit("eumelanin", model.eumelanin);
+  visit("pheomelanin", model.pheomelanin);
+  visit("beta_m", model.beta_m);
+  visit("beta_n", model.beta_n);
+  visit("ior", model.ior);
+}
 template <ModelOf<Null> Model, typename Visit>
 void visit_parameters(Model&, const Visit&) {}
 template <typename Visit>
 void visit_parameters(const MaterialModel& model, const Visit& visit) {
   std::visit([&](const auto& m) { visit_parameters(m, visit); }, model);
+}
+template <typename Visit>
+void visit_parameters(MaterialModel& model, const Visit& visit) {
+  std::visit([&](auto& m) { visit_parameters(m, visit); }, model);
 }
 
 }  // namespace tessera::core

@@ -16,10 +16,11 @@ namespace tessera::core {
 // surface.
 inline constexpr float kMinAlpha = 1e-3f;
 
-// T is float for one point, or Float8 for eight.
+// T is float for one point, or Float8 for one in each lane.
 template <typename T>
 class GgxOf {
  public:
+  GgxOf() : GgxOf(T(1.0f)) {}
   // alpha is in [kMinAlpha, 1]. Half of the microfacets, by projected area, have a slope above alpha.
   explicit GgxOf(T alpha) : alpha_(alpha), alpha2_(alpha * alpha) {}
 

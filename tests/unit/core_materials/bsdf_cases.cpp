@@ -91,6 +91,28 @@ ConductorMaterial brushed_metal() {
   return model;
 }
 
+constexpr MicrofacetKind kBeckmann{MicrofacetDistribution::kBeckmann, SmithMasking::kCorrelated};
+constexpr MicrofacetKind kSeparableBeckmann{MicrofacetDistribution::kBeckmann, SmithMasking::kSeparable};
+
+Glass beckmann_glass(float roughness, MicrofacetKind kind) {
+  Glass model = rough_glass(1.5f, roughness, DielectricFresnel::kExact);
+  model.microfacets = kind;
+  return model;
+}
+
+Plastic beckmann_plastic() {
+  Plastic model = rough_plastic();
+  model.microfacets = kSeparableBeckmann;
+  model.compensated = false;
+  return model;
+}
+
+ConductorMaterial brushed_beckmann() {
+  ConductorMaterial model = brushed_metal();
+  model.microfacets = kBeckmann;
+  return model;
+}
+
 }  // namespace
 
 std::vector<BsdfCase> bsdf_cases() {
@@ -109,7 +131,8 @@ std::vector<BsdfCase> bsdf_cases() {
       {"rough_glass", rough_glass(1.5f, 0.5f, kExact)},
       {"rougher_diamond", rough_glass(2.4f, 0.8f, kExact)},
       {"rough_water_schlick", rough_glass(1.33f, 0.6f, DielectricFresnel::kSchlick)},
-      {"rough_glass_unreflecting", rough_glass(1.5f, 0.6f, DielectricFresnel::kNone)}};
+      {"rough_glass_unreflecting", rough_glass(1.5f, 0.6f, DielectricFresnel::kNone)},
+      {"beckmann_glass", beckmann_glass(0.6f, kBeckmann)}};
   std::vector<BsdfCase> cases;
   for (const auto& [name, model] : models) {
     cases.push_back({name, material_of(model)});
@@ -123,6 +146,9 @@ std::vector<BsdfCase> bsdf_cases() {
   cases.push_back({"thin_walled", material_of(thin_walled())});
   cases.push_back({"rough_plastic", material_of(rough_plastic())});
   cases.push_back({"brushed_metal", material_of(brushed_metal())});
+  cases.push_back({"rougher_beckmann_glass", material_of(beckmann_glass(0.9f, kSeparableBeckmann))});
+  cases.push_back({"beckmann_plastic", material_of(beckmann_plastic())});
+  cases.push_back({"brushed_beckmann", material_of(brushed_beckmann())});
   cases.push_back({"leaf", material_of(DiffuseTransmission{{{0.1f, 0.4f, 0.1f}}, {{0.2f, 0.5f, 0.1f}}})});
   return cases;
 }

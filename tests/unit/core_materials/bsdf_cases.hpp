@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/materials/bsdf.hpp"
+#include "core/shading/bsdf.hpp"
 
 namespace tessera::core::test {
 

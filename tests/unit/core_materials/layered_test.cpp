@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/materials/directional_albedo.hpp"
-#include "core/materials/thin_film.hpp"
 #include "core/sampling/sampler.hpp"
+#include "core/shading/thin_film.hpp"
 #include "tests/unit/core_materials/bsdf_cases.hpp"
 
 namespace tessera::core {
@@ -101,16 +101,21 @@ TEST(Plastic, HasTheReflectanceOfItsLayers) {
 }
 
 TEST(ThinDielectric, ReflectsBetweenItsSides) {
-  const auto branches = bsdf_of(ThinDielectric{}).delta_branches(seen_at(1));
+  // A lamp's pane: others scatter only what they reflect (interception_at).
+  Material lamp = test::material_of(ThinDielectric{});
+  lamp.emission.value = Rgb::gray(1);
+  const Bsdf pane(lamp, {}, {}, true);
+  const auto branches = pane.delta_branches(seen_at(1));
   ASSERT_TRUE(branches[0] && branches[1]);
   EXPECT_NEAR(branches[0]->weight.g, 0.08f / 1.04f, 1e-6f);
   EXPECT_NEAR(branches[1]->weight.g, 1 - 0.08f / 1.04f, 1e-6f);
   const Vec3 aside = seen_at(0.5f);
-  const auto through = bsdf_of(ThinDielectric{}).sample(aside, {}, 0.9f);
+  const auto through = pane.sample(aside, {}, 0.9f);
   ASSERT_TRUE(through);
   EXPECT_EQ(through->wi_local, -aside);
   EXPECT_TRUE(through->delta && through->transmitted);
   EXPECT_EQ(through->eta, 1);
+  EXPECT_EQ(bsdf_of(ThinDielectric{}).sample(aside, {}, 0.9f)->wi_local, (Vec3{-aside.x, -aside.y, aside.z}));
 }
 
 TEST(Conductor, WithoutRoughnessIsAMirrorOfItsIndices) {
@@ -150,7 +155,7 @@ TEST(ThinFilm, HasClosedForms) {
 }
 
 // A smooth coat over a diffuse base has samples of both kinds, whose mean is their sum.
-TEST(LobeMixture, MixesDeltaLobesWithOthers) {
+TEST(Closure, MixesDeltaLobesWithOthers) {
   Principled model = white(0.5f);
   model.base_color.value = Rgb::gray(0.5f);
   model.coat_weight = 1;
@@ -169,6 +174,25 @@ TEST(LobeMixture, MixesDeltaLobesWithOthers) {
   ASSERT_TRUE(mirror[0]);
   EXPECT_NEAR(mirror[0]->weight.g, fresnel_dielectric(0.6f, 1.6f), 1e-6f);
   EXPECT_FALSE(mirror[1]);
+}
+
+// look_from() saves work, and changes nothing.
+TEST(Closure, LooksFromTheViewerOnce) {
+  for (const auto& [name, model, outside] : white_cases(0.5f)) {
+    const Vec3 wo = seen_at(0.6f);
+    Bsdf each_time = bsdf_of(model, outside), once = each_time;
+    each_time.scale_diffuse(1.5f);
+    once.scale_diffuse(1.5f);
+    once.look_from(wo.z);
+    for (int i = 0; i < 20; ++i) {
+      const auto [u, u_lobe] = test::random_numbers(i);
+      const auto a = each_time.sample(wo, u, u_lobe), b = once.sample(wo, u, u_lobe);
+      ASSERT_EQ(a.has_value(), b.has_value()) << name;
+      if (!a) continue;
+      EXPECT_EQ(a->weight, b->weight) << name;
+      EXPECT_EQ(each_time.evaluate(wo, a->wi_local).value, once.evaluate(wo, a->wi_local).value) << name;
+    }
+  }
 }
 
 TEST(TwoSided, OneSidedSurfacesHaveABlackBack) {

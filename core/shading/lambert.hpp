@@ -2,18 +2,16 @@
 // Ideal diffuse reflection (Lambert 1760), sampled in proportion to the cosine.
 #pragma once
 
-#include <optional>
-
 #include "core/materials/bsdf_sample.hpp"
 #include "core/sampling/warp.hpp"
 
 namespace tessera::core {
 
-// T is float for one point, or Float8 for eight.
+// T is float for one point, or Float8 for one in each lane.
 template <typename T>
 struct LambertBsdfOf {
-  static constexpr bool kIsDelta = false;
-
+  MaskOf<T> is_delta() const { return false; }
+  MaskOf<T> transmits() const { return false; }
   void scale_diffuse(T factor) { albedo *= factor; }
 
   BsdfValueOf<T> evaluate(Vec3Of<T> wo_local, Vec3Of<T> wi_local, T diffuse_cos) const {
@@ -22,9 +20,9 @@ struct LambertBsdfOf {
             select(dark, T(0.0f), pdf_cosine_hemisphere(wi_local.z))};
   }
 
-  std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float) const {
-    if (wo_local.z <= 0) return std::nullopt;
-    BsdfSample sample;
+  BsdfSampleOf<T> sample(Vec3Of<T> wo_local, Vec2Of<T> u, T) const {
+    BsdfSampleOf<T> sample;
+    sample.found = wo_local.z > 0;
     sample.wi_local = sample_cosine_hemisphere(u);
     sample.weight = albedo;
     sample.pdf = pdf_cosine_hemisphere(sample.wi_local.z);

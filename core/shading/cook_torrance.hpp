@@ -2,8 +2,6 @@
 // GGX microfacet reflection over a diffuse base (Cook and Torrance 1982; Walter et al. 2007).
 #pragma once
 
-#include <optional>
-
 #include "core/materials/bsdf_sample.hpp"
 #include "core/materials/fresnel.hpp"
 #include "core/materials/microfacet.hpp"
@@ -11,29 +9,18 @@
 
 namespace tessera::core {
 
-// T is float for one point, or Float8 for eight.
+// T is float for one point, or Float8 for one in each lane.
 template <typename T>
 struct CookTorranceBsdfOf {
-  static constexpr bool kIsDelta = false;
-
+  MaskOf<T> is_delta() const { return false; }
+  MaskOf<T> transmits() const { return false; }
   void scale_diffuse(T factor) { diffuse *= factor; }
 
   BsdfValueOf<T> evaluate(Vec3Of<T> wo_local, Vec3Of<T> wi_local, T diffuse_cos) const {
     return evaluate(wo_local, wi_local, diffuse_cos, specular_probability(wo_local.z));
   }
 
-  struct Sample {
-    MaskOf<T> any;  // lanes with a sample
-    Vec3Of<T> wi_local;
-    BsdfValueOf<T> value;
-  };
-  Sample find(Vec3Of<T> wo_local, Vec2Of<T> u, T u_lobe) const;
-
-  std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const {
-    const Sample found = find(wo_local, u, u_lobe);
-    if (!found.any) return std::nullopt;
-    return weighed_sample(found.wi_local, found.value);
-  }
+  BsdfSampleOf<T> sample(Vec3Of<T> wo_local, Vec2Of<T> u, T u_lobe) const;
 
   RgbOf<T> diffuse, specular;  // diffuse + specular <= 1, except after scale_diffuse
   MaskOf<T> is_metal;
@@ -87,8 +74,7 @@ BsdfValueOf<T> CookTorranceBsdfOf<T>::evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T dif
 }
 
 template <typename T>
-typename CookTorranceBsdfOf<T>::Sample CookTorranceBsdfOf<T>::find(Vec3Of<T> wo, Vec2Of<T> u,
-                                                                   T u_lobe) const {
+BsdfSampleOf<T> CookTorranceBsdfOf<T>::sample(Vec3Of<T> wo, Vec2Of<T> u, T u_lobe) const {
   const T p = specular_probability(wo.z);
   const MaskOf<T> specular_lobe = u_lobe < p;
   MaskOf<T> found = wo.z > 0;
@@ -101,7 +87,7 @@ typename CookTorranceBsdfOf<T>::Sample CookTorranceBsdfOf<T>::find(Vec3Of<T> wo,
   }
   const BsdfValueOf<T> value = evaluate(wo, wi, wi.z, p);
   found = found & (value.pdf > 0);
-  return {found, wi, value};
+  return {found, false, false, wi, value.value / value.pdf, value.pdf, T(1.0f)};
 }
 
 }  // namespace tessera::core

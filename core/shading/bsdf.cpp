@@ -1,27 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/materials/bsdf.hpp"
+#include "core/shading/bsdf.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/overloaded.hpp"
-#include "core/materials/layered_materials.hpp"
 #include "core/materials/limits.hpp"
 #include "core/sampling/warp.hpp"
+#include "core/shading/layered_materials.hpp"
 
 namespace tessera::core {
-namespace {
-
-// Whether the side that the viewer sees is the black back of a one-sided surface.
-bool is_black_back(const Material& material, bool outside) {
-  return !outside && !material.two_sided && !transmits_light(material.model);
-}
-
-}  // namespace
 
 Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>& textures, Vec2 uv,
                             bool outside, Rgb tint) {
-  if (is_black_back(material, outside)) return LambertBsdf{Rgb{}};
+  if (!outside && is_one_sided(material)) return ClosureOf<float>();  // which scatters nothing
   const auto at = [&](const auto& parameter) { return parameter.evaluate(textures, uv); };
   return std::visit(
       Overloaded{
@@ -31,14 +23,19 @@ Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>
             const float ior = std::clamp(at(m.ior), 1.0f, kMaxIor), eta = outside ? ior : 1 / ior;
             const float alpha = squared_roughness(at(m.roughness));
             if (alpha < kMinAlpha || ior - 1 < kMinBending)
-              return SmoothDielectricBsdf{eta, m.fresnel, at(m.reflectance), at(m.transmittance)};
-            return RoughDielectricBsdf{Ggx(alpha), eta, m.fresnel, at(m.reflectance), at(m.transmittance)};
+              return SmoothDielectricBsdf{eta, fresnel_of(m.fresnel), at(m.reflectance), at(m.transmittance)};
+            if (m.microfacets.is_correlated_ggx())
+              return RoughDielectricBsdf{Ggx(alpha), eta, fresnel_of(m.fresnel), at(m.reflectance),
+                                         at(m.transmittance)};
+            return RoughDielectricOf<float, Microfacets>{Microfacets(m.microfacets, alpha), eta,
+                                                         fresnel_of(m.fresnel), at(m.reflectance),
+                                                         at(m.transmittance)};
           },
           [&](const Phong& m) -> AtPoint {
             const Rgb diffuse = at(m.diffuse) * tint, specular = at(m.specular);
             const Rgb scale = normalize_energy(diffuse, specular);
             return PhongBsdf{diffuse * scale, specular * scale,
-                             std::clamp(at(m.exponent), 0.0f, kMaxExponent), m.lobe};
+                             std::clamp(at(m.exponent), 0.0f, kMaxExponent), m.lobe == PhongLobe::kNPlus2};
           },
           [&](const CookTorrance& m) -> AtPoint {
             const Rgb diffuse = at(m.diffuse) * tint, specular = at(m.specular);
@@ -55,11 +52,15 @@ Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>
                 .schlick_masking = m.masking == Masking::kSchlick,
                 .sample_half_vector = material.sampling == Sampling::kHalfVector};
           },
-          // Resolved before (scatterer_at), or never hit.
-          [&](const Blend&) -> AtPoint { return LobeMixture(); },
-          [&](const Null&) -> AtPoint { return LobeMixture(); },
-          [&](const auto& layered) -> AtPoint {
-            return lobes_of(layered, MaterialPoint{textures, uv, outside, tint});
+          [&](const Hair& m) -> AtPoint { return HairBsdf(m, textures, uv); },
+          // What it transmits does not stop here (interception_at).
+          [&](const ThinDielectric& m) -> AtPoint {
+            if (passes_straight(material)) return MirrorBsdf{at(m.reflectance)};
+            return closure_of(material.model, MaterialPoint{textures, uv, outside, tint});
+          },
+          // All others are layered; or resolved before (scatterer_at), or never hit.
+          [&](const auto&) -> AtPoint {
+            return closure_of(material.model, MaterialPoint{textures, uv, outside, tint});
           },
       },
       material.model);
@@ -70,23 +71,25 @@ Bsdf::Bsdf(const Material& material, const std::vector<Texture>& textures, Vec2 
       uniform_(material.sampling == Sampling::kUniform && !has_delta()) {}
 
 bool Bsdf::is_delta() const {
-  return std::visit(Overloaded{[](const LobeMixture& lobes) { return lobes.is_delta(); },
-                               [](const auto& bsdf) { return bsdf.kIsDelta; }},
-                    at_point_);
+  return std::visit([](const auto& bsdf) { return bsdf.is_delta(); }, at_point_);
 }
 
 bool Bsdf::has_delta() const {
-  const auto* lobes = std::get_if<LobeMixture>(&at_point_);
-  return lobes != nullptr ? lobes->has_delta() : is_delta();
+  const auto* closure = std::get_if<ClosureOf<float>>(&at_point_);
+  return closure != nullptr ? closure->has_delta() : is_delta();
 }
 
 bool Bsdf::transmits() const {
-  if (const auto* lobes = std::get_if<LobeMixture>(&at_point_)) return lobes->transmits();
-  return std::holds_alternative<RoughDielectricBsdf>(at_point_);
+  return std::visit([](const auto& bsdf) { return bsdf.transmits(); }, at_point_);
 }
 
 void Bsdf::orient(Vec3 tangent_local) {
-  if (auto* lobes = std::get_if<LobeMixture>(&at_point_)) lobes->orient(tangent_local);
+  if (auto* closure = std::get_if<ClosureOf<float>>(&at_point_)) closure->orient(tangent_local);
+  if (auto* hair = std::get_if<HairBsdf>(&at_point_)) hair->orient(tangent_local);
+}
+
+void Bsdf::look_from(float cos_o) {
+  if (auto* closure = std::get_if<ClosureOf<float>>(&at_point_)) closure->look_from(cos_o);
 }
 
 void Bsdf::scale_diffuse(float factor) {
@@ -102,14 +105,15 @@ BsdfValue Bsdf::evaluate(Vec3 wo_local, Vec3 wi_local, float diffuse_cos) const 
 
 std::optional<BsdfSample> Bsdf::sample(Vec3 wo_local, Vec2 u, float u_lobe) const {
   if (uniform_) return sample_uniformly(wo_local, u);
-  return std::visit([&](const auto& bsdf) { return bsdf.sample(wo_local, u, u_lobe); }, at_point_);
+  return std::visit([&](const auto& bsdf) { return alone(bsdf.sample(wo_local, u, u_lobe)); }, at_point_);
 }
 
 std::array<std::optional<BsdfSample>, 2> Bsdf::delta_branches(Vec3 wo_local) const {
   if (const auto* mirror = std::get_if<MirrorBsdf>(&at_point_))
-    return {mirror->sample(wo_local, {}, 0), std::nullopt};
+    return {alone(mirror->sample(wo_local, {}, 0)), std::nullopt};
   if (const auto* glass = std::get_if<SmoothDielectricBsdf>(&at_point_)) return glass->branches(wo_local);
-  if (const auto* lobes = std::get_if<LobeMixture>(&at_point_)) return lobes->delta_branches(wo_local);
+  if (const auto* closure = std::get_if<ClosureOf<float>>(&at_point_))
+    return closure->delta_branches(wo_local);
   return {};
 }
 
@@ -120,8 +124,10 @@ float Bsdf::uniform_pdf(Vec3 wo_local, Vec3 wi_local) const {
 }
 
 float Bsdf::transmitted_eta() const {
-  if (const auto* lobes = std::get_if<LobeMixture>(&at_point_)) return lobes->transmitted_eta();
-  return std::get_if<RoughDielectricBsdf>(&at_point_)->eta;
+  if (const auto* closure = std::get_if<ClosureOf<float>>(&at_point_)) return closure->transmitted_eta();
+  if (std::holds_alternative<HairBsdf>(at_point_)) return 1;
+  if (const auto* ggx = std::get_if<RoughDielectricBsdf>(&at_point_)) return ggx->eta;
+  return std::get_if<RoughDielectricOf<float, Microfacets>>(&at_point_)->eta;
 }
 
 std::optional<BsdfSample> Bsdf::sample_uniformly(Vec3 wo_local, Vec2 u) const {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/materials/thin_film.hpp"
+#include "core/shading/thin_film.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/materials/fresnel.hpp"
 #include "core/math/elementary.hpp"
+#include "core/math/lane_array.hpp"
 
 namespace tessera::core {
 namespace {
@@ -37,62 +37,81 @@ Rgb response(float difference_nm, float shift) {
           0.0556434f * x - 0.2040259f * y + 1.0572252f * z};
 }
 
-float normal_reflectance_of(float eta) {
-  const float r = (eta - 1) / (eta + 1);
+// response() of a channel; index 0 is red.
+template <typename T>
+T response_of(int channel, T difference_nm, T shift) {
+  return in_each_lane([channel](float d, float s) { return response(d, s)[channel]; }, difference_nm, shift);
+}
+
+template <typename T>
+T normal_reflectance_of(T eta) {
+  const T r = (eta - 1) / (eta + 1);
   return r * r;
 }
 
-float schlick(float cos_i, float f0) {
-  return fresnel_schlick(cos_i, Rgb::gray(f0)).r;
+template <typename T>
+T schlick(T cos_i, T f0) {
+  return fresnel_schlick(cos_i, RgbOf<T>::gray(f0)).r;
 }
 
-float index_of(float f0) {
-  const float r = std::sqrt(std::min(f0, 0.9999f));
+template <typename T>
+T index_of(T f0) {
+  using std::sqrt;
+  const T r = sqrt(smaller(f0, T(0.9999f)));
   return (1 + r) / (1 - r);
 }
 
 // Films thinner than 30 nm fade away.
-float fade_in(float thickness_nm) {
-  const float t = std::min(1.0f, thickness_nm / 30);
+template <typename T>
+T fade_in(T thickness_nm) {
+  const T t = smaller(T(1.0f), thickness_nm / 30);
   return t * t * (3 - 2 * t);
 }
 
 }  // namespace
 
-FilmReflectance::FilmReflectance(Rgb f0, float weight, float film_ior, float thickness)
+template <typename T>
+FilmReflectanceOf<T>::FilmReflectanceOf(RgbOf<T> f0, T weight, T film_ior, T thickness)
     : f0_(f0),
       base_ior_{index_of(f0.r), index_of(f0.g), index_of(f0.b)},
       weight_(weight),
       film_ior_(1 + (film_ior - 1) * fade_in(1000 * thickness)),
-      thickness_nm_(std::min(1000 * thickness, 1e4f)) {}
+      thickness_nm_(smaller(1000 * thickness, T(1e4f))) {}
 
-Rgb FilmReflectance::operator()(float cos_i) const {
-  const Rgb bare = fresnel_schlick(cos_i, f0_);
+template <typename T>
+RgbOf<T> FilmReflectanceOf<T>::operator()(T cos_i) const {
+  const RgbOf<T> bare = fresnel_schlick(cos_i, f0_);
   return bare + (covered(cos_i) - bare) * weight_;
 }
 
 // Reflections between the film's two sides, summed as a series of which two interfering terms are kept
 // (ibid., eq. 10).
-Rgb FilmReflectance::covered(float cos_i) const {
-  const float sin2 = (1 - cos_i * cos_i) / (film_ior_ * film_ior_);
-  if (sin2 >= 1) return Rgb::gray(1);
-  const float cos_t = std::sqrt(1 - sin2);
-  const float upper = schlick(cos_i, normal_reflectance_of(film_ior_)), through = 1 - upper;
-  const float difference = 2 * film_ior_ * thickness_nm_ * cos_t;
-  const auto channel = [&](float base_ior, int index) {
-    const float lower = schlick(cos_t, normal_reflectance_of(base_ior / film_ior_));
-    const float both = upper * lower, amplitude = std::sqrt(both);
-    const float constant = through * through * lower / (1 - both);
+template <typename T>
+RgbOf<T> FilmReflectanceOf<T>::covered(T cos_i) const {
+  using std::sqrt;
+  const T sin2 = (1 - cos_i * cos_i) / (film_ior_ * film_ior_);
+  const T cos_t = sqrt(larger(T(0.0f), 1 - sin2));
+  const T upper = schlick(cos_i, normal_reflectance_of(film_ior_)), through = 1 - upper;
+  const T difference = 2 * film_ior_ * thickness_nm_ * cos_t;
+  const auto channel = [&](T base_ior, int index) {
+    const T lower = schlick(cos_t, normal_reflectance_of(base_ior / film_ior_));
+    const T both = upper * lower, amplitude = sqrt(both);
+    const T constant = through * through * lower / (1 - both);
     // Reflection at the denser side turns the phase by half a turn.
-    const float shift = base_ior < film_ior_ ? 2 * kPi : kPi;
-    float order = constant - through, sum = upper + constant;
+    const T shift = select(base_ior < film_ior_, T(2 * kPi), T(kPi));
+    T order = constant - through, sum = upper + constant;
     for (int m = 1; m <= 2; ++m) {
-      order *= amplitude;
-      sum += order * 2 * response(static_cast<float>(m) * difference, static_cast<float>(m) * shift)[index];
+      const auto times = static_cast<float>(m);
+      order = order * amplitude;
+      sum = sum + order * 2 * response_of(index, T(times * difference), T(times * shift));
     }
-    return std::clamp(sum, 0.0f, 1.0f);
+    return clamp_between(sum, 0.0f, 1.0f);
   };
-  return {channel(base_ior_.r, 0), channel(base_ior_.g, 1), channel(base_ior_.b, 2)};
+  const RgbOf<T> inside{channel(base_ior_.r, 0), channel(base_ior_.g, 1), channel(base_ior_.b, 2)};
+  return select(sin2 >= 1, RgbOf<T>::gray(1), inside);
 }
+
+template class FilmReflectanceOf<float>;
+template class FilmReflectanceOf<Float8>;
 
 }  // namespace tessera::core

@@ -11,14 +11,15 @@
 #include <vector>
 
 #include "core/materials/bsdf_sample.hpp"
-#include "core/materials/cook_torrance.hpp"
-#include "core/materials/lambert.hpp"
-#include "core/materials/lobe_mixture.hpp"
+#include "core/materials/hair.hpp"
 #include "core/materials/material.hpp"
-#include "core/materials/mirror.hpp"
-#include "core/materials/phong.hpp"
-#include "core/materials/rough_dielectric.hpp"
-#include "core/materials/smooth_dielectric.hpp"
+#include "core/shading/closure.hpp"
+#include "core/shading/cook_torrance.hpp"
+#include "core/shading/lambert.hpp"
+#include "core/shading/mirror.hpp"
+#include "core/shading/phong.hpp"
+#include "core/shading/rough_dielectric.hpp"
+#include "core/shading/smooth_dielectric.hpp"
 
 namespace tessera::core {
 
@@ -39,6 +40,9 @@ class Bsdf {
   // normal.
   void orient(Vec3 tangent_local);
 
+  // As ClosureOf::look_from.
+  void look_from(float cos_o);
+
   // Multiplies diffuse reflection, by more than 1 if the shading normal is tilted (VertexOf).
   void scale_diffuse(float factor);
 
@@ -53,8 +57,9 @@ class Bsdf {
   std::array<std::optional<BsdfSample>, 2> delta_branches(Vec3 wo_local) const;
 
  private:
-  using AtPoint = std::variant<LambertBsdf, MirrorBsdf, SmoothDielectricBsdf, RoughDielectricBsdf, PhongBsdf,
-                               CookTorranceBsdf, LobeMixture>;
+  using AtPoint = std::variant<LambertBsdf, MirrorBsdf, SmoothDielectricBsdf, RoughDielectricBsdf,
+                               RoughDielectricOf<float, Microfacets>, PhongBsdf, CookTorranceBsdf,
+                               ClosureOf<float>, HairBsdf>;
 
   static AtPoint look_up(const Material& material, const std::vector<Texture>& textures, Vec2 uv,
                          bool outside, Rgb tint);

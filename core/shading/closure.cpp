@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/shading/closure.hpp"
+
+#include <cmath>
+#include <type_traits>
+#include <utility>
+
+namespace tessera::core {
+
+// Calls f(layer, place) for each lobe that some lane has.
+template <typename T>
+template <typename Self, typename F>
+void ClosureOf<T>::for_each_present(Self& self, const F& f) {
+  const auto visit = [&](auto& layer, std::size_t slot) {
+    if (any(layer.present)) f(layer, slot);
+  };
+  [&]<std::size_t... kEach>(std::index_sequence<kEach...>) {
+    (visit(std::get<kEach>(self.layers_), kEach), ...);
+  }
+  (std::make_index_sequence<kSlots>());
+}
+
+template <typename T>
+void ClosureOf<T>::orient(Vec3Of<T> tangent_local) {
+  using std::sqrt;
+  const T length2 = tangent_local.x * tangent_local.x + tangent_local.y * tangent_local.y;
+  const MaskOf<T> known = length2 > 0;
+  const T scale = 1 / sqrt(length2);
+  tangent_ = {select(known, tangent_local.x * scale, tangent_.x),
+              select(known, tangent_local.y * scale, tangent_.y)};
+}
+
+template <typename T>
+Vec3Of<T> ClosureOf<T>::to_tangents(Vec3Of<T> w) const {
+  return {tangent_.x * w.x + tangent_.y * w.y, tangent_.x * w.y - tangent_.y * w.x, w.z};
+}
+
+template <typename T>
+Vec3Of<T> ClosureOf<T>::from_tangents(Vec3Of<T> w) const {
+  return {tangent_.x * w.x - tangent_.y * w.y, tangent_.x * w.y + tangent_.y * w.x, w.z};
+}
+
+template <typename T>
+MaskOf<T> ClosureOf<T>::is_delta() const {
+  MaskOf<T> rough = last_ == WordOf<T>(kNoSlot);
+  for_each_present(*this, [&](const auto& layer, std::size_t) {
+    const MaskOf<T> delta = layer.lobe.is_delta();
+    rough = rough | (layer.present & !delta);
+  });
+  return !rough;
+}
+
+template <typename T>
+MaskOf<T> ClosureOf<T>::has_delta() const {
+  MaskOf<T> found = false;
+  for_each_present(*this, [&](const auto& layer, std::size_t) {
+    const MaskOf<T> delta = layer.lobe.is_delta();
+    found = found | (layer.present & delta);
+  });
+  return found;
+}
+
+template <typename T>
+MaskOf<T> ClosureOf<T>::transmits() const {
+  MaskOf<T> found = false;
+  for_each_present(*this, [&](const auto& layer, std::size_t) {
+    const MaskOf<T> passes = layer.lobe.transmits();
+    found = found | (layer.present & passes);
+  });
+  return found;
+}
+
+template <typename T>
+T ClosureOf<T>::transmitted_eta() const {
+  const auto& glass = std::get<kGlassSlot>(layers_);
+  return any(glass.present) ? select(glass.present, glass.lobe.eta(), T(1.0f)) : T(1.0f);
+}
+
+template <typename T>
+void ClosureOf<T>::scale_diffuse(T factor) {
+  for_each_present(*this, [&](auto& layer, std::size_t) {
+    if (layer.lobe.kIsDiffuse) layer.weight *= factor;
+  });
+}
+
+template <typename T>
+typename ClosureOf<T>::Shares ClosureOf<T>::shares_at(T cos_o) const {
+  Shares shares;
+  RgbOf<T> let_through = RgbOf<T>::gray(1);
+  T sum{};
+  for_each_present(*this, [&](const auto& layer, std::size_t slot) {
+    const T albedo = layer.lobe.albedo(cos_o);
+    shares.light[slot] = layer.weight * let_through;
+    shares.chance[slot] = select(layer.present, max_component(shares.light[slot]) * albedo, T(0.0f));
+    sum = sum + shares.chance[slot];
+    const RgbOf<T> passed =
+        let_through * (layer.below.tint * larger(T(0.0f), 1 - layer.below.cover * albedo));
+    let_through = select(layer.present, passed, let_through);
+  });
+  for_each_present(*this, [&](const auto&, std::size_t slot) {
+    shares.chance[slot] = select(sum > 0, shares.chance[slot] / sum, T(0.0f));
+  });
+  return shares;
+}
+
+template <typename T>
+BsdfValueOf<T> ClosureOf<T>::evaluate(const Shares& shares, Vec3Of<T> wo, Vec3Of<T> wi, T diffuse_cos) const {
+  BsdfValueOf<T> all_lobes{};
+  for_each_present(*this, [&](const auto& layer, std::size_t slot) {
+    const MaskOf<T> seen = layer.present & (shares.chance[slot] > 0);
+    if (!any(seen)) return;
+    const BsdfValueOf<T> one = layer.lobe.evaluate(wo, wi, diffuse_cos);
+    all_lobes.value += select(seen, shares.light[slot] * one.value, RgbOf<T>{});
+    all_lobes.pdf = all_lobes.pdf + select(seen, shares.chance[slot] * one.pdf, T(0.0f));
+  });
+  return all_lobes;
+}
+
+template <typename T>
+BsdfValueOf<T> ClosureOf<T>::evaluate(Vec3Of<T> wo_local, Vec3Of<T> wi_local, T diffuse_cos) const {
+  const MaskOf<T> seen = !(wo_local.z <= 0);
+  if (!any(seen)) return {};
+  const Vec3Of<T> wo = to_tangents(wo_local), wi = to_tangents(wi_local);
+  return only_where<T>(seen, viewed_ ? evaluate(shares_, wo, wi, diffuse_cos)
+                                     : evaluate(shares_at(wo_local.z), wo, wi, diffuse_cos));
+}
+
+template <typename T>
+BsdfSampleOf<T> ClosureOf<T>::sample(Vec3Of<T> wo_local, Vec2Of<T> u, T u_lobe) const {
+  return viewed_ ? sample(shares_, wo_local, u, u_lobe) : sample(shares_at(wo_local.z), wo_local, u, u_lobe);
+}
+
+template <typename T>
+BsdfSampleOf<T> ClosureOf<T>::sample(const Shares& shares, Vec3Of<T> wo_local, Vec2Of<T> u, T u_lobe) const {
+  constexpr float kBelowOne = 1 - 0x1p-24f;
+  BsdfSampleOf<T> sample;
+  MaskOf<T> undecided = !(wo_local.z <= 0);
+  if (!any(undecided)) return sample;
+  const Vec3Of<T> wo = to_tangents(wo_local);
+  T below{};  // the chance of the lobes before
+  for_each_present(*this, [&](const auto& layer, std::size_t slot) {
+    const T chance = shares.chance[slot], next = below + chance;
+    const MaskOf<T> is_last = last_ == WordOf<T>(static_cast<std::uint32_t>(slot));
+    const MaskOf<T> chosen = undecided & layer.present & (is_last | !(u_lobe >= next));
+    if (any(chosen)) {
+      auto one = layer.lobe.sample(wo, u, smaller((u_lobe - below) / chance, T(kBelowOne)));
+      one.weight *= shares.light[slot] / chance;  // of a delta lobe
+      one.found = one.found & (chance > 0);
+      sample = select(chosen, one, sample);
+      undecided = undecided & !chosen;
+    }
+    below = select(undecided & layer.present, next, below);
+  });
+  const MaskOf<T> rough = sample.found & !sample.delta;
+  if (any(rough)) {
+    const auto [value, pdf] = evaluate(shares, wo, sample.wi_local, sample.wi_local.z);
+    sample.weight = select(sample.delta, sample.weight, value / pdf);
+    sample.pdf = select(sample.delta, sample.pdf, pdf);
+    sample.found = sample.found & (sample.delta | (pdf > 0));
+  }
+  sample.wi_local = from_tangents(sample.wi_local);
+  return sample;
+}
+
+template <typename T>
+std::array<std::optional<BsdfSample>, 2> ClosureOf<T>::delta_branches(Vec3 wo_local) const {
+  std::array<std::optional<BsdfSample>, 2> all_lobes;
+  if constexpr (std::is_same_v<T, float>) {
+    if (wo_local.z <= 0) return all_lobes;
+    const Shares shares = shares_at(wo_local.z);
+    for_each_present(*this, [&](const auto& layer, std::size_t slot) {
+      const auto branches = layer.lobe.delta_branches(wo_local);
+      for (std::size_t k = 0; k < all_lobes.size(); ++k) {
+        if (!branches[k]) continue;
+        const Rgb weight = branches[k]->weight * shares.light[slot];
+        if (!all_lobes[k]) {
+          all_lobes[k] = branches[k];
+          all_lobes[k]->weight = {};
+        }
+        all_lobes[k]->weight += weight;
+      }
+    });
+  }
+  return all_lobes;
+}
+
+template class ClosureOf<float>;
+template class ClosureOf<Float8>;
+
+}  // namespace tessera::core
