@@ -2,18 +2,25 @@
 // Lights without extent: each is visible in at most one direction from any point, and rays cannot hit it.
 #pragma once
 
+#include <memory>
 #include <optional>
+#include <vector>
 
+#include "core/lights/equirectangular.hpp"
 #include "core/lights/light_bounds.hpp"
 #include "core/lights/light_sample.hpp"
+#include "core/lights/spot_description.hpp"
+#include "core/textures/texture.hpp"
 
 namespace tessera::core {
 
-// Emits uniformly in all directions.
+// Emits in all directions: uniformly, or as an equirectangular image says.
 class PointLight {
  public:
-  // `intensity` in watts per steradian.
-  PointLight(Vec3 position, Rgb intensity) : position_(position), intensity_(intensity) {}
+  // `intensity` in watts per steradian. `image`, which may be null, multiplies it; `orientation` as
+  // EquirectangularMap's.
+  PointLight(Vec3 position, Rgb intensity, std::shared_ptr<const TextureImage> image = nullptr,
+             const Transform& orientation = {});
 
   std::optional<LightSample> sample(Vec3 p_lit) const;
   double power() const;
@@ -22,19 +29,26 @@ class PointLight {
  private:
   Vec3 position_;
   Rgb intensity_;
+  float mean_intensity_;  // over all directions and channels
+  std::shared_ptr<const TextureImage> image_;
+  EquirectangularMap map_;
 };
 
-// Emits into a cone: at full intensity near its axis, with a smooth falloff to zero at its edge.
+// Emits into a cone: at full intensity near its axis, with a falloff to zero at its edge; or an image within
+// it.
 class SpotLight {
  public:
   struct Cone {
     Vec3 axis;            // unit
     float angle_degrees;  // full angle, in (0, 180]
     float softness;       // the fraction of the angle, from the edge inwards, with falloff; in [0, 1]
+    SpotFalloff falloff = SpotFalloff::kSmooth;
   };
-  SpotLight(Vec3 position, Rgb intensity, const Cone& cone);
+  // `image_mean` is the mean of the image's texels.
+  SpotLight(Vec3 position, Rgb intensity, const Cone& cone, const ProjectedImage& image = {},
+            Rgb image_mean = Rgb::gray(1));
 
-  std::optional<LightSample> sample(Vec3 p_lit) const;
+  std::optional<LightSample> sample(const std::vector<Texture>& textures, Vec3 p_lit) const;
   double power() const;
   LightBounds bounds() const;
 
@@ -42,10 +56,16 @@ class SpotLight {
   float falloff(float off_axis) const;
 
  private:
+  Rgb projected(const std::vector<Texture>& textures, Vec3 direction) const;
+
   Vec3 position_;
   Rgb intensity_;
   Vec3 axis_;
-  float inner_edge_, outer_edge_;  // 1 - cos of the angles where falloff begins and ends
+  float mean_intensity_;             // on the axis, over the image and all channels
+  float inner_edge_, outer_edge_;    // 1 - cos of the angles where falloff begins and ends
+  float inner_angle_, outer_angle_;  // these, in radians
+  SpotFalloff falloff_;
+  ProjectedImage image_;  // its right and up over their squared lengths
 };
 
 // A light at infinity with parallel rays.

@@ -6,7 +6,6 @@
 #include <numbers>
 #include <utility>
 
-#include "core/lights/normal_bins.hpp"
 #include "core/math/lane_array.hpp"
 
 namespace tessera::core {
@@ -59,6 +58,11 @@ RgbOf<Float8> in_all_lanes(Rgb c) {
   return {c.r, c.g, c.b};
 }
 
+template <typename T>
+WordOf<T> table_for(Vec3Of<T> normal, MisCompensation compensation) {
+  return EnvironmentDistribution::table_of(normal_bin(normal), compensation);
+}
+
 }  // namespace
 
 Environment::Environment(Rgb radiance, std::shared_ptr<const TextureImage> image, float rotation_degrees,
@@ -74,8 +78,8 @@ Rgb Environment::radiance(Vec3 direction) const {
   return radiance_of(radiance_, image_.get(), map_.uv_of(direction));
 }
 
-float Environment::pdf(Vec3 normal, Vec3 direction) const {
-  return distribution_->pdf(normal_bin(normal), map_.uv_of(direction));
+float Environment::pdf(Vec3 normal, Vec3 direction, MisCompensation compensation) const {
+  return distribution_->pdf(table_for(normal, compensation), map_.uv_of(direction));
 }
 
 RgbOf<Float8> Environment::radiance_at(Vec2Of<Float8> uv) const {
@@ -84,21 +88,24 @@ RgbOf<Float8> Environment::radiance_at(Vec2Of<Float8> uv) const {
   return in_all_lanes(radiance_) * TextureImage::bilinear(images, uv, true, false);
 }
 
-Environment::Seen Environment::see(Vec3Of<Float8> normals, Vec3Of<Float8> directions) const {
+Environment::Seen Environment::see(Vec3Of<Float8> normals, Vec3Of<Float8> directions,
+                                   MisCompensation compensation) const {
   const Vec2Of<Float8> uv = map_.uv_of(directions);
-  return {image_ ? radiance_at(uv) : in_all_lanes(radiance_), distribution_->pdf(normal_bin(normals), uv)};
+  return {image_ ? radiance_at(uv) : in_all_lanes(radiance_),
+          distribution_->pdf(table_for(normals, compensation), uv)};
 }
 
-std::optional<LightSample> Environment::sample(Vec3 normal, Vec2 u) const {
-  const auto [along_row, depth, side, pdf] = distribution_->sample(normal_bin(normal), u);
+std::optional<LightSample> Environment::sample(Vec3 normal, Vec2 u, MisCompensation compensation) const {
+  const auto [along_row, depth, side, pdf] = distribution_->sample(table_for(normal, compensation), u);
   const Vec3 wi = map_.direction(along_row, depth, side);
   const Rgb arriving = radiance(wi);
   if (is_black(arriving)) return std::nullopt;
   return LightSample{wi, arriving, pdf, false, std::nullopt};
 }
 
-LightSamples Environment::sample(Vec3Of<Float8> normals, Vec2Of<Float8> u) const {
-  const auto [along_row, depth, side, pdf] = distribution_->sample(normal_bin(normals), u);
+LightSamples Environment::sample(Vec3Of<Float8> normals, Vec2Of<Float8> u,
+                                 MisCompensation compensation) const {
+  const auto [along_row, depth, side, pdf] = distribution_->sample(table_for(normals, compensation), u);
   LightSamples samples;
   samples.wi = map_.direction(along_row, depth, side);
   samples.radiance = image_ ? radiance_at(map_.uv_of(samples.wi)) : in_all_lanes(radiance_);

@@ -28,19 +28,22 @@ class Environment {
   Rgb radiance(Vec3 direction) const;
 
   // Samples a direction in proportion to the mean of the channels times the cosine to `normal`, or without
-  // a cosine for the zero normal (LightSampleContext::normal); see EnvironmentDistribution. The density is
-  // positive wherever radiance() is not black.
-  std::optional<LightSample> sample(Vec3 normal, Vec2 u) const;
-  float pdf(Vec3 normal, Vec3 direction) const;
+  // a cosine for the zero normal (LightSampleContext::normal); see EnvironmentDistribution. Without MIS
+  // compensation the density is positive wherever radiance() is not black.
+  std::optional<LightSample> sample(Vec3 normal, Vec2 u,
+                                    MisCompensation compensation = MisCompensation::kOff) const;
+  float pdf(Vec3 normal, Vec3 direction, MisCompensation compensation = MisCompensation::kOff) const;
 
   // radiance() and pdf() for eight directions.
   struct Seen {
     RgbOf<Float8> radiance;
     Float8 pdf;
   };
-  Seen see(Vec3Of<Float8> normals, Vec3Of<Float8> directions) const;
+  Seen see(Vec3Of<Float8> normals, Vec3Of<Float8> directions,
+           MisCompensation compensation = MisCompensation::kOff) const;
   // sample() in eight lanes, without points. In lanes without a sample, wi is not zero.
-  LightSamples sample(Vec3Of<Float8> normals, Vec2Of<Float8> u) const;
+  LightSamples sample(Vec3Of<Float8> normals, Vec2Of<Float8> u,
+                      MisCompensation compensation = MisCompensation::kOff) const;
 
   // The power that reaches a disk of the scene's radius from all directions, in watts, averaged over the
   // channels.
@@ -48,7 +51,9 @@ class Environment {
 
   // EnvironmentDistribution::importance_by_normal for the mean of the channels, by the surface's
   // normal_bin().
-  const std::vector<double>& importance_by_normal() const { return distribution_->importance_by_normal(); }
+  const std::vector<EnvironmentDistribution::Importance>& importance_by_normal() const {
+    return distribution_->importance_by_normal();
+  }
 
  private:
   RgbOf<Float8> radiance_at(Vec2Of<Float8> uv) const;  // of the image

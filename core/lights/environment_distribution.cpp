@@ -107,9 +107,9 @@ class EnvironmentDistribution::PlaceLanes {
   FloatLanes along_row_, depth_, side_, pdf_;
 };
 
-EnvironmentDistribution::Chosen EnvironmentDistribution::chosen(std::uint32_t facing, std::size_t band,
+EnvironmentDistribution::Chosen EnvironmentDistribution::chosen(std::uint32_t table, std::size_t band,
                                                                 std::size_t sector) const {
-  const Choice& choice = choices_[facing];
+  const Choice& choice = choices_[table];
   const Cell& cell = cells_[band * kSectors + sector];
   const auto begin = [](const auto& shares, std::size_t i) { return static_cast<float>(shares[i]); };
   const auto size = [](const auto& shares, std::size_t i) {
@@ -122,11 +122,11 @@ EnvironmentDistribution::Chosen EnvironmentDistribution::chosen(std::uint32_t fa
 }
 
 // The numbers are fractions of the total.
-EnvironmentDistribution::Chosen EnvironmentDistribution::choose(std::uint32_t facing, std::uint32_t x,
+EnvironmentDistribution::Chosen EnvironmentDistribution::choose(std::uint32_t table, std::uint32_t x,
                                                                 std::uint32_t y) const {
-  const Choice& choice = choices_[facing];
+  const Choice& choice = choices_[table];
   const std::size_t band = share_at(choice.bands, y);
-  return chosen(facing, band, share_at(choice.sectors[band], x));
+  return chosen(table, band, share_at(choice.sectors[band], x));
 }
 
 EnvironmentDistribution::PlaceOf<float> EnvironmentDistribution::sample_texels(const Chosen& chosen,
@@ -150,20 +150,20 @@ float EnvironmentDistribution::texels_per_solid_angle(float row) const {
   return width * height / (2 * kPi * kPi * std::max(sine, kMinSine));
 }
 
-EnvironmentDistribution::PlaceOf<float> EnvironmentDistribution::sample(std::uint32_t facing, Vec2 u) const {
-  const Chosen cell = choose(facing, to_word(u.x * float{kWhole}), to_word(u.y * float{kWhole}));
+EnvironmentDistribution::PlaceOf<float> EnvironmentDistribution::sample(std::uint32_t table, Vec2 u) const {
+  const Chosen cell = choose(table, to_word(u.x * float{kWhole}), to_word(u.y * float{kWhole}));
   return cell.uneven == kEven ? cell.shares.patch.at(cell.shares.within(u), cell.shares.chance())
                               : sample_texels(cell, u);
 }
 
-EnvironmentDistribution::PlaceOf<Float8> EnvironmentDistribution::sample(U32x8 facings,
+EnvironmentDistribution::PlaceOf<Float8> EnvironmentDistribution::sample(U32x8 tables,
                                                                          Vec2Of<Float8> u) const {
-  const WordLanes facing(facings), x(to_word(u.x * float{kWhole})), y(to_word(u.y * float{kWhole}));
+  const WordLanes table(tables), x(to_word(u.x * float{kWhole})), y(to_word(u.y * float{kWhole}));
   std::array<Chosen, kLaneCount> of_lanes;
   ChosenLanes lanes;
   unsigned uneven = 0;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    of_lanes[lane] = choose(facing[lane], x[lane], y[lane]);
+    of_lanes[lane] = choose(table[lane], x[lane], y[lane]);
     lanes.set(lane, of_lanes[lane].shares);
     uneven |= (of_lanes[lane].uneven == kEven ? 0u : 1u) << lane;
   }
@@ -180,25 +180,25 @@ EnvironmentDistribution::PlaceOf<Float8> EnvironmentDistribution::sample(U32x8 f
 }
 
 // `place` is an image position in texels, from the upper left corner.
-float EnvironmentDistribution::pdf_at(std::uint32_t facing, Vec2 place) const {
+float EnvironmentDistribution::pdf_at(std::uint32_t table, Vec2 place) const {
   const auto [shares, uneven] =
-      chosen(facing, band_of_row_[texel_at(place.y, height_)], sector_of_column_[texel_at(place.x, width_)]);
+      chosen(table, band_of_row_[texel_at(place.y, height_)], sector_of_column_[texel_at(place.x, width_)]);
   if (uneven == kEven) return shares.chance() * shares.patch.per_solid_angle;
   const auto& [first_column, first_row, distribution] = texels_[static_cast<std::size_t>(uneven)];
   const Vec2 within{place.x - static_cast<float>(first_column), place.y - static_cast<float>(first_row)};
   return shares.chance() * distribution.density(within) * texels_per_solid_angle(place.y);
 }
 
-float EnvironmentDistribution::pdf(std::uint32_t facing, Vec2 uv) const {
-  return pdf_at(facing, {uv.x * static_cast<float>(width_), (1 - uv.y) * static_cast<float>(height_)});
+float EnvironmentDistribution::pdf(std::uint32_t table, Vec2 uv) const {
+  return pdf_at(table, {uv.x * static_cast<float>(width_), (1 - uv.y) * static_cast<float>(height_)});
 }
 
-Float8 EnvironmentDistribution::pdf(U32x8 facings, Vec2Of<Float8> uv) const {
-  const WordLanes facing(facings);
+Float8 EnvironmentDistribution::pdf(U32x8 tables, Vec2Of<Float8> uv) const {
+  const WordLanes table(tables);
   const FloatLanes x(uv.x * static_cast<float>(width_)), y((1 - uv.y) * static_cast<float>(height_));
   FloatLanes pdf;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-    pdf.set(lane, pdf_at(facing[lane], {x[lane], y[lane]}));
+    pdf.set(lane, pdf_at(table[lane], {x[lane], y[lane]}));
   return pdf.all();
 }
 

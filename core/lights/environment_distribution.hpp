@@ -2,6 +2,12 @@
 // Importance sampling of environment light, in proportion to radiance times cosine, which depends on the
 // surface normal. Immutable.
 //
+// There are two sets of tables, with and without MIS compensation. Compensated tables subtract a level from
+// the radiance (Karlík et al. 2019). With one BSDF sample of density cosine / pi beside each light sample,
+// the sum of both densities is best in proportion to radiance times cosine. The light samples' part of it is
+// proportional to (radiance - level) * cosine where that is positive, and its integral is pi * level. An
+// even sky is thus sampled as without compensation, and of a sky with a sun only the sun.
+//
 // The sphere of directions is divided into cells along the rows and columns of an equirectangular image.
 // Each normal bin has a table of cell probabilities, and all tables together fit into a near cache. Within
 // a cell the density is uniform and the image's texels are not read. Cells with high contrast, such as the
@@ -15,6 +21,8 @@
 #include <vector>
 
 #include "core/lights/equirectangular.hpp"
+#include "core/lights/mis_compensation.hpp"
+#include "core/lights/normal_bins.hpp"
 #include "core/math/simd_integer.hpp"
 #include "core/sampling/bilinear_distribution.hpp"
 
@@ -35,22 +43,32 @@ class EnvironmentDistribution {
     T along_row, depth, side;
     T pdf;  // per solid angle
   };
-  // `facing` is the surface's normal_bin(); u is in [0, 1). Nine tenths of the samples are in proportion to
-  // radiance, the others uniform over the sphere, both times the cosine; one sample in twenty ignores the
-  // cosine. The density is therefore positive wherever there is light.
-  PlaceOf<float> sample(std::uint32_t facing, Vec2 u) const;
-  PlaceOf<Float8> sample(U32x8 facings, Vec2Of<Float8> u) const;
+  // The table for a surface's normal_bin().
+  template <typename Word>
+  static Word table_of(Word facing, MisCompensation compensation) {
+    return compensation == MisCompensation::kOn ? facing + Word(kFacings) : facing;
+  }
+  // u is in [0, 1). Without compensation, nine tenths of the samples are in proportion to radiance, the
+  // others uniform over the sphere, both times the cosine; the density is positive wherever there is light.
+  // With it, there are none where the radiance is below the level. One sample in twenty ignores the cosine.
+  PlaceOf<float> sample(std::uint32_t table, Vec2 u) const;
+  PlaceOf<Float8> sample(U32x8 tables, Vec2Of<Float8> u) const;
 
   // The density of the direction at (u, v) of the image.
-  float pdf(std::uint32_t facing, Vec2 uv) const;
-  Float8 pdf(U32x8 facings, Vec2Of<Float8> uv) const;
+  float pdf(std::uint32_t table, Vec2 uv) const;
+  Float8 pdf(U32x8 tables, Vec2Of<Float8> uv) const;
 
   // Radiance integrated over the sphere.
   double radiance_over_sphere() const { return radiance_over_sphere_; }
-  // For each of kFacings bins, the unoccluded irradiance that counts when choosing a light: all of the
-  // high-contrast cells, and a quarter of the rest, which BSDF samples find too. For the bin of all sides,
-  // it is that of a surface that receives half of a uniform environment.
-  const std::vector<double>& importance_by_normal() const { return sought_; }
+  // Unoccluded irradiance that counts when choosing a light. For the bin of all sides, it is that of a
+  // surface that receives half of a uniform environment.
+  struct Importance {
+    double uncompensated = 0;  // of high-contrast cells, and a quarter of the rest, which has little noise
+    double total = 0;
+    double excess = 0;  // of what is brighter than the mean radiance that the surface receives
+  };
+  // For each of kFacings bins.
+  const std::vector<Importance>& importance_by_normal() const { return importance_; }
 
  private:
   friend class EnvironmentDistributionBuilder;
@@ -93,19 +111,19 @@ class EnvironmentDistribution {
   class PlaceLanes;
 
   EnvironmentDistribution() = default;
-  Chosen chosen(std::uint32_t facing, std::size_t band, std::size_t sector) const;
-  Chosen choose(std::uint32_t facing, std::uint32_t x, std::uint32_t y) const;
+  Chosen chosen(std::uint32_t table, std::size_t band, std::size_t sector) const;
+  Chosen choose(std::uint32_t table, std::uint32_t x, std::uint32_t y) const;
   PlaceOf<float> sample_texels(const Chosen& chosen, Vec2 u) const;
   float texels_per_solid_angle(float row) const;
-  float pdf_at(std::uint32_t facing, Vec2 place) const;
+  float pdf_at(std::uint32_t table, Vec2 place) const;
 
   // The grid's size: the image's columns and rows, subdivided if there are fewer than sectors or bands.
   int width_ = 0, height_ = 0;
   std::vector<std::uint8_t> sector_of_column_, band_of_row_;
   std::vector<Cell> cells_;  // by band and sector
   std::vector<Texels> texels_;
-  std::vector<Choice> choices_;  // by facing
-  std::vector<double> sought_;   // by facing
+  std::vector<Choice> choices_;         // by table_of()
+  std::vector<Importance> importance_;  // by facing
   double radiance_over_sphere_ = 0;
 };
 

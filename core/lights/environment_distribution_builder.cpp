@@ -26,9 +26,9 @@ constexpr double kAnyCosine = 0.05;
 // A cell has high contrast if the density of a texel exceeds this multiple of the mean. Smaller variation
 // is negligible beside the noise of shadows.
 constexpr double kMaxUneven = 1.5;
-// The weight of uniform cells when a light is chosen. BSDF samples find their light well, and seldom find
-// lamps and suns, which thus need more light samples.
-constexpr double kFoundAnyway = 0.25;
+// The weight of uniform cells when a light is chosen without MIS compensation: their light has little noise,
+// so lamps and suns need more samples.
+constexpr double kUniformCellWeight = 0.25;
 
 // Sample positions along the sides of a cell and of a normal bin, and their weights (trapezoidal rule).
 // Including the corners ensures that every partly visible cell has a positive weight.
@@ -98,10 +98,11 @@ class EnvironmentDistributionBuilder {
     if (made_.radiance_over_sphere_ == 0) return std::move(made_);
     add_grid();
     for (std::size_t cell = 0; cell < kCells; ++cell) add_cell(cell);
-    for (std::uint32_t facing = 0; facing < kAllSides; ++facing) add_choice(cosines_of(facing));
+    for (std::uint32_t facing = 0; facing < kAllSides; ++facing) add_choices(cosines_of(facing));
     OfCells mean_cosine;
     mean_cosine.fill(kMeanCosine);
-    add_choice(mean_cosine);
+    add_choices(mean_cosine);
+    made_.choices_.insert(made_.choices_.end(), compensated_.begin(), compensated_.end());
     return std::move(made_);
   }
 
@@ -177,7 +178,8 @@ class EnvironmentDistributionBuilder {
 
   void add_cell(std::size_t index) {
     const Bounds within = bounds(index);
-    double solid_angle = 0, highest = 0;
+    double& solid_angle = cell_solid_angle_[index];
+    double highest = 0;
     Bounds brightest = within;
     for_each(within, [&](double radiance, double angle, int column, int row) {
       const double here = density(radiance);
@@ -243,28 +245,80 @@ class EnvironmentDistributionBuilder {
     return cosines;
   }
 
-  // Adds a table in proportion to radiance times cosine.
-  void add_choice(const OfCells& cosines) {
-    const double reflected = std::inner_product(cosines.begin(), cosines.end(), probability_.begin(), 0.0);
-    OfCells weights;
-    double sought = 0;
+  // Adds the tables for a normal bin.
+  void add_choices(const OfCells& cosines) {
+    made_.choices_.push_back(choice(probability_, cosines));
+    OfCells excess = excess_over(compensation_level(cosines));
+    const double sum = std::accumulate(excess.begin(), excess.end(), 0.0);
+    for (double& of_cell : excess) of_cell /= sum;
+    compensated_.push_back(choice(excess, cosines));
+    made_.importance_.push_back(importance(cosines));
+  }
+
+  static double sum_of_products(const OfCells& a, const OfCells& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+  }
+
+  // The light of each cell that exceeds a uniform environment of this radiance.
+  OfCells excess_over(double level) const {
+    OfCells excess;
+    for (std::size_t cell = 0; cell < kCells; ++cell)
+      excess[cell] = std::max(0.0, light_[cell] - level * cell_solid_angle_[cell]);
+    return excess;
+  }
+
+  // The level of EnvironmentDistribution's compensated tables: that with as much irradiance above it as
+  // fills the hemisphere up to it. Newton's method from 0: the excess is convex in the level, so levels
+  // rise, and the set of brighter cells shrinks until it contains the solution. Lower than the brightest
+  // visible cell.
+  double compensation_level(const OfCells& cosines) const {
+    const double hemisphere = sum_of_products(cosines, cell_solid_angle_);
+    double level = 0;
+    for (std::size_t step = 0; step < kCells; ++step) {
+      double irradiance = 0, measure = hemisphere;
+      for (std::size_t cell = 0; cell < kCells; ++cell) {
+        if (!(light_[cell] > level * cell_solid_angle_[cell])) continue;
+        irradiance += cosines[cell] * light_[cell];
+        measure += cosines[cell] * cell_solid_angle_[cell];
+      }
+      const double next = irradiance / measure;
+      if (!(next > level)) break;
+      level = next;
+    }
+    return level;
+  }
+
+  EnvironmentDistribution::Importance importance(const OfCells& cosines) const {
+    const double mean = sum_of_products(cosines, light_) / sum_of_products(cosines, cell_solid_angle_);
+    const OfCells excess = excess_over(mean);
+    EnvironmentDistribution::Importance sums;
     for (std::size_t cell = 0; cell < kCells; ++cell) {
-      const double share = reflected > 0 ? cosines[cell] / reflected : 1;
-      weights[cell] = probability_[cell] * ((1 - kAnyCosine) * share + kAnyCosine);
       const bool even = made_.cells_[cell].uneven == EnvironmentDistribution::kEven;
       const double cosine = (1 - kAnyCosine) * cosines[cell] + kAnyCosine * kMeanCosine;
-      sought += (even ? kFoundAnyway : 1) * cosine * light_[cell];
+      sums.uncompensated += (even ? kUniformCellWeight : 1) * cosine * light_[cell];
+      sums.total += cosine * light_[cell];
+      sums.excess += cosine * excess[cell];
+    }
+    return sums;
+  }
+
+  // The table in proportion to probability times cosine; the probabilities sum to 1.
+  static EnvironmentDistribution::Choice choice(const OfCells& probability, const OfCells& cosines) {
+    const double reflected = sum_of_products(cosines, probability);
+    OfCells weights;
+    for (std::size_t cell = 0; cell < kCells; ++cell) {
+      const double share = reflected > 0 ? cosines[cell] / reflected : 1;
+      weights[cell] = probability[cell] * ((1 - kAnyCosine) * share + kAnyCosine);
     }
     std::array<double, kBands> of_bands;
-    EnvironmentDistribution::Choice choice;
+    EnvironmentDistribution::Choice made;
     for (std::size_t band = 0; band < kBands; ++band) {
       const double* of_sectors = weights.data() + band * kSectors;
       of_bands[band] = std::accumulate(of_sectors, of_sectors + kSectors, 0.0);
-      choice.sectors[band] = shares_of<kSectors>(of_sectors, EnvironmentDistribution::kWhole);
+      made.sectors[band] = shares_of<kSectors>(of_sectors, EnvironmentDistribution::kWhole);
     }
-    choice.bands = shares_of<kBands>(of_bands.data(), EnvironmentDistribution::kWhole);
-    made_.choices_.push_back(choice);
-    made_.sought_.push_back(sought);
+    made.bands = shares_of<kBands>(of_bands.data(), EnvironmentDistribution::kWhole);
+    return made;
   }
 
   const int columns_per_texel_, rows_per_texel_, picture_width_, width_, height_;
@@ -273,9 +327,11 @@ class EnvironmentDistributionBuilder {
   const EquirectangularMap& map_;
   std::vector<double> solid_angles_;  // of a texel in each row
   double density_per_radiance_ = 0, least_density_ = 0;
+  OfCells cell_solid_angle_{};
   OfCells light_{}, probability_{};  // integrals over the cell's solid angle: radiance, density
   std::array<std::array<Vec3, kPlaces>, kCells> directions_{};
   std::array<Vec3, kCells> brightest_{};
+  std::vector<EnvironmentDistribution::Choice> compensated_;  // by facing
   EnvironmentDistribution made_;
 };
 

@@ -87,25 +87,33 @@ class AreaLights {
 }  // namespace
 
 std::optional<LightSample> sample_light(const Light& light, const std::vector<Texture>& textures,
-                                        const LightSampleContext& lit, Vec2 u) {
-  return std::visit(Overloaded{
-                        [&](const AreaLight& area) { return area.sample(textures, lit.position, u); },
-                        [&](const PointLight& point) { return point.sample(lit.position); },
-                        [&](const SpotLight& spot) { return spot.sample(lit.position); },
-                        [&](const DirectionalLight& directional) { return directional.sample(); },
-                        [&](const Environment& environment) { return environment.sample(lit.normal, u); },
-                    },
-                    light);
+                                        const LightSampleContext& lit, Vec2 u, MisCompensation compensation,
+                                        float time) {
+  return std::visit(
+      Overloaded{
+          [&](const AreaLight& area) { return area.sample(textures, lit.position, u); },
+          [&](const MovingAreaLight& area) { return area.at(time).sample(textures, lit.position, u); },
+          [&](const PointLight& point) { return point.sample(lit.position); },
+          [&](const SpotLight& spot) { return spot.sample(textures, lit.position); },
+          [&](const DirectionalLight& directional) { return directional.sample(); },
+          [&](const Environment& environment) { return environment.sample(lit.normal, u, compensation); },
+      },
+      light);
 }
 
 LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std::vector<Texture>& textures,
-                           const LightSampleContexts& lit, Vec2Of<Float8> u) {
+                           const LightSampleContexts& lit, Vec2Of<Float8> u, MisCompensation compensation,
+                           Float8 time) {
+  const FloatLanes times(time);
+  std::array<std::optional<AreaLight>, kLaneCount> moved;
   AreaLights quads, spheres;
   const Environment* environment = nullptr;  // a scene has at most one
   unsigned environment_lanes = 0, other_lanes = 0;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     if (!lights[lane]) continue;
     const auto* area = std::get_if<AreaLight>(lights[lane]);
+    if (const auto* moving = std::get_if<MovingAreaLight>(lights[lane]))
+      area = &moved[lane].emplace(moving->at(times[lane]));
     const auto* around = std::get_if<Environment>(lights[lane]);
     if (area && area->is_quad()) {
       quads.set(lane, area);
@@ -125,15 +133,16 @@ LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std:
     take_lanes(samples, AreaLight::sample_uniform_spheres(spheres.filled(), lit.position, u),
                spheres.lanes());
   if (environment)
-    take_lanes(samples, environment->sample(lit.normal, u), Mask8::from_bits(environment_lanes));
+    take_lanes(samples, environment->sample(lit.normal, u, compensation),
+               Mask8::from_bits(environment_lanes));
   if (other_lanes == 0) return samples;
   const Vec3Lanes position(lit.position), normal(lit.normal);
   const FloatLanes u_x(u.x), u_y(u.y);
   SampleLanes others;
   for (; other_lanes != 0; other_lanes &= other_lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(other_lanes));
-    const auto sample =
-        sample_light(*lights[lane], textures, {position[lane], normal[lane]}, {u_x[lane], u_y[lane]});
+    const auto sample = sample_light(*lights[lane], textures, {position[lane], normal[lane]},
+                                     {u_x[lane], u_y[lane]}, compensation, times[lane]);
     if (sample) others.set(lane, *sample);
   }
   others.merge_into(samples);
@@ -141,12 +150,14 @@ LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std:
 }
 
 bool is_delta(const Light& light) {
-  return !std::holds_alternative<AreaLight>(light) && !std::holds_alternative<Environment>(light);
+  return !std::holds_alternative<AreaLight>(light) && !std::holds_alternative<MovingAreaLight>(light) &&
+         !std::holds_alternative<Environment>(light);
 }
 
 double power(const Light& light, double scene_radius) {
   return std::visit(Overloaded{
                         [&](const AreaLight& area) { return area.power(); },
+                        [&](const MovingAreaLight& area) { return area.power(); },
                         [&](const PointLight& point) { return point.power(); },
                         [&](const SpotLight& spot) { return spot.power(); },
                         [&](const DirectionalLight& directional) { return directional.power(scene_radius); },
@@ -159,6 +170,7 @@ std::optional<LightBounds> bounds(const Light& light) {
   using Bounds = std::optional<LightBounds>;
   return std::visit(Overloaded{
                         [](const AreaLight& area) -> Bounds { return area.bounds(); },
+                        [](const MovingAreaLight& area) -> Bounds { return area.bounds(); },
                         [](const PointLight& point) -> Bounds { return point.bounds(); },
                         [](const SpotLight& spot) -> Bounds { return spot.bounds(); },
                         [](const DirectionalLight&) -> Bounds { return std::nullopt; },

@@ -17,21 +17,25 @@
 #include "core/lights/environment.hpp"
 #include "core/lights/light_bounds.hpp"
 #include "core/lights/light_sample_context.hpp"
+#include "core/lights/moving_area_light.hpp"
 
 namespace tessera::core {
 
-using Light = std::variant<AreaLight, PointLight, SpotLight, DirectionalLight, Environment>;
+using Light = std::variant<AreaLight, MovingAreaLight, PointLight, SpotLight, DirectionalLight, Environment>;
 static_assert(sizeof(Light) <= 128, "there may be a hundred thousand of them");
 
-// Samples a direction from the point to the light. Returns nothing if the light cannot be sampled from
+// Samples a direction from the point to the light, at a time from 0, when the shutter opens, to 1, when it
+// closes. Returns nothing if the light cannot be sampled from
 // there, or emits nothing along the sampled direction.
 std::optional<LightSample> sample_light(const Light& light, const std::vector<Texture>& textures,
-                                        const LightSampleContext& lit, Vec2 u);
+                                        const LightSampleContext& lit, Vec2 u,
+                                        MisCompensation compensation = MisCompensation::kOff, float time = 0);
 
 // Samples eight lights; each lane equals sample_light(). Null pointers are allowed. All environments among
 // them must be the same.
 LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std::vector<Texture>& textures,
-                           const LightSampleContexts& lit, Vec2Of<Float8> u);
+                           const LightSampleContexts& lit, Vec2Of<Float8> u,
+                           MisCompensation compensation = MisCompensation::kOff, Float8 time = 0.0f);
 
 // Whether only light sampling finds the light, because it has no extent that a ray could hit.
 bool is_delta(const Light& light);

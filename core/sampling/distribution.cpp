@@ -39,6 +39,13 @@ std::size_t DiscreteDistribution::sample(double u) const {
   return static_cast<std::size_t>(found - cdf_.begin());
 }
 
+DiscreteDistribution::Sample DiscreteDistribution::sample_and_rest(double u) const {
+  constexpr double kBelowOne = 1 - 0x1p-53;
+  const std::size_t index = sample(u);
+  const double begin = index > 0 ? cdf_[index - 1] : 0;
+  return {index, std::min((u - begin) / (cdf_[index] - begin), kBelowOne)};
+}
+
 GuidedCells::GuidedCells(std::size_t width, const std::vector<double>& weights)
     : width_(width), guides_((width + kCellsPerGuide - 1) / kCellsPerGuide) {
   const std::size_t rows = weights.size() / width;

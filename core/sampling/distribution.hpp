@@ -23,6 +23,12 @@ class DiscreteDistribution {
   // The entry selected by u in [0, 1), never one of weight 0. Entries rarer than the resolution of u are
   // never sampled, so u has more bits than a float.
   std::size_t sample(double u) const;
+  // The entry, and a number in [0, 1) that is uniform given the entry: what is left of u.
+  struct Sample {
+    std::size_t index;
+    double rest;
+  };
+  Sample sample_and_rest(double u) const;
 
  private:
   std::vector<float> pmf_;

@@ -67,6 +67,9 @@ class Sampler {
 
 // Assigns pads to decisions. The layout affects the rendered bytes.
 inline constexpr std::uint32_t kCameraPad = 0;  // pixel x, y; lens u, v
+// The time at which the camera sends the ray, if the shutter is open for some time; the other numbers of the
+// pad are unused. Its name is a hash, so that other pads keep their numbers.
+inline constexpr std::uint32_t kTimePad = static_cast<std::uint32_t>(hash(0x74696d6500000000u, 0));
 // At path vertex `depth` (the first surface the camera sees is 0):
 inline constexpr std::uint32_t scatter_pad(int depth) {
   return 1 + 2 * static_cast<std::uint32_t>(depth);

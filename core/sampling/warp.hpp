@@ -57,8 +57,10 @@ Vec3Of<T> sample_sphere(Vec2Of<T> u) {
 }
 
 // Uniform on the hemisphere around +z, density 1 / (2 pi) per solid angle. z is positive.
-inline Vec3 sample_hemisphere(Vec2 u) {
-  const float z = 1 - u.x, r = std::sqrt(std::max(0.0f, 1 - z * z));
+template <typename T = float>
+Vec3Of<T> sample_hemisphere(Vec2Of<T> u) {
+  using std::sqrt;
+  const T z = 1 - u.x, r = sqrt(larger(T(0.0f), 1 - z * z));
   const auto [s, c] = sin_cos_turns(u.y);
   return {r * c, r * s, z};
 }
