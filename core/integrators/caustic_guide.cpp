@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "core/base/parallel_errors.hpp"
@@ -36,12 +37,17 @@ constexpr std::uint64_t ray_name(int ray) {
   return static_cast<std::uint64_t>(ray);
 }
 
+// Guides are built for the middle of the time that the shutter is open. They choose among directions whose
+// light is estimated without bias at any time.
+constexpr float kGuideTime = 0.5f;
+
 // Samples one light; visibility is not tested. `pdf` includes the choice of the light.
 std::optional<LightSample> sample_any_light(const Scene& scene, const LightSampleContext& point,
                                             const std::array<float, 4>& u) {
   const auto choice = scene.light_sampler().sample(point, combine_uniforms(u[2], u[3]));
   if (choice.light == kNoLight) return std::nullopt;
-  auto light = sample_light(scene.lights()[choice.light], scene.textures(), point, {u[0], u[1]});
+  auto light = sample_light(scene.lights()[choice.light], scene.textures(), point, {u[0], u[1]},
+                            MisCompensation::kOff, kGuideTime);
   if (light) light->pdf *= choice.pmf;
   return light;
 }
@@ -75,6 +81,8 @@ class PhotonTracer {
       radiance = casters_.contain(hit) ? radiance * weight : Rgb{};
       const Ray scattered = vertex.ray_along(next->wi);
       const Met met = meet_by_chance(scene_, scattered, sampler, ray_name(bounce + 1));
+      flux *= met.tint;
+      radiance *= met.tint;
       origin = scattered.origin;
       ray = met.ray;
       hit = met.hit;
@@ -94,22 +102,24 @@ class PhotonTracer {
   // a small lens in a large scene.
   std::optional<First> begin(const Sampler& sampler) const {
     const auto u = sampler.pad(kPlacePad);
-    const auto [primitive, position] = casters_.sample(combine_uniforms(u[0], u[1]), {u[2], u[3]});
+    const auto [primitive, instance, position, inverse_density] =
+        casters_.sample(combine_uniforms(u[0], u[1]), {u[2], u[3]});
     const auto light = sample_any_light(scene_, {position, {}}, sampler.pad(kLightPad));
     // Light from delta directions behind mirrors and smooth glass is not found by any path.
     if (!light || light->delta) return std::nullopt;
     const Vec3 origin = light->point ? offset_origin(*light->point, position - light->point->position)
                                      : position + light->wi * beyond_scene_;
-    const auto [ray, hit, traced] =
-        meet_by_chance(scene_, {origin, normalize(position - origin)}, sampler, ray_name(0));
-    if (hit.in_instance() || hit.primitive != primitive) return std::nullopt;
+    const Ray first{origin, normalize(position - origin), std::numeric_limits<float>::infinity(), kGuideTime};
+    const auto [ray, hit, traced, tint] = meet_by_chance(scene_, first, sampler, ray_name(0));
+    if (hit.instance != instance || hit.primitive != primitive) return std::nullopt;
     // The ray may have hit the near side of a sphere whose far side was sampled.
     const SurfacePoint surface = scene_.primitives().surface(ray, hit);
     if (length_squared(surface.position - position) > 1e-4f * length_squared(position - origin))
       return std::nullopt;
     const float cosine = std::fabs(dot(surface.geometric_normal, ray.direction));
-    const auto area = static_cast<float>(casters_.area() / kPaths);
-    return First{origin, ray, hit, light->radiance * (cosine * area / light->pdf), light->radiance};
+    const auto area = static_cast<float>(inverse_density / kPaths);
+    const Rgb arriving = light->radiance * tint;
+    return First{origin, ray, hit, arriving * (cosine * area / light->pdf), arriving};
   }
 
   const Scene& scene_;
@@ -124,12 +134,14 @@ float probe_other_light(const Scene& scene, const Photon& place, std::uint32_t n
   const auto u = sampler.pad(scatter_pad(0));
   const Vec3 a = abs(place.position);
   Ray ray{place.position + place.side_normal * (1e-5f * std::max({a.x, a.y, a.z})),
-          Frame::around(place.side_normal).to_world(sample_cosine_hemisphere({u[0], u[1]}))};
+          Frame::around(place.side_normal).to_world(sample_cosine_hemisphere({u[0], u[1]})),
+          std::numeric_limits<float>::infinity(), kGuideTime};
   Rgb throughput = Rgb::gray(kPi), found;
   RenderCounters uncounted;
   for (int depth = 1; depth <= kProbeDepth; ++depth) {
-    const auto [from, hit, traced] = meet_by_chance(scene, ray, sampler, ray_name(depth));
+    const auto [from, hit, traced, tint] = meet_by_chance(scene, ray, sampler, ray_name(depth));
     if (!hit.found()) break;
+    throughput *= tint;
     const PathVertex vertex(scene, from, hit);
     if (!vertex.is_delta())
       if (const auto light = sample_any_light(scene, vertex.light_context(), sampler.pad(light_pad(depth))))

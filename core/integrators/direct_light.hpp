@@ -20,8 +20,8 @@ inline Rgb reflected_light(const Scene& scene, const PathVertex& vertex, const L
                            RenderCounters& counters) {
   const Rgb scattered = vertex.evaluate(light.wi).value;
   if (is_black(scattered)) return {};
-  const float share = transmittance(scene, vertex.ray_toward(light), counters.shadow_rays);
-  return share > 0 ? scattered * light.radiance * share : Rgb{};
+  const Rgb share = transmittance(scene, vertex.ray_toward(light), counters.shadow_rays);
+  return is_black(share) ? Rgb{} : scattered * light.radiance * share;
 }
 
 }  // namespace tessera::core

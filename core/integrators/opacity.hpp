@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays and surfaces with opacity below 1. A scattering ray hits such a surface with the probability of its
-// opacity, and otherwise passes straight through; a shadow ray is attenuated by the opacity. The
-// expectation of the former equals the latter. Stateless; thread-safe.
+// Rays and surfaces that let light pass straight through: by their opacity, or as panes do (interception_at).
+// A scattering ray hits such a surface with a probability, and otherwise goes on behind it, tinted; a shadow
+// ray is attenuated by the transmittance. The expectation of the former equals the latter. Stateless;
+// thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -51,26 +52,32 @@ std::uint64_t trace_through(const Scene& scene, std::span<Ray> rays, std::span<H
   return traced;
 }
 
-// A ray that continues behind the surface it hit, and the opacity that attenuates it.
+// What a ray meets at the surface it hit.
 struct Crossing {
   SurfacePoint surface;
-  float opacity;  // of the surface there; 1 where it stops every ray
+  float hit = 1;        // the probability that it is scattered; 1 where the surface stops every ray
+  Rgb transmittance{};  // of a shadow ray
+
+  // The weight of rays that pass.
+  Rgb tint() const { return transmittance / (1 - hit); }
 };
 Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::uint32_t crossing);
 // The rest of a shadow ray behind a surface; nothing if the surface is at its end.
 std::optional<Ray> rest_of(const Ray& whole, const SurfacePoint& surface);
 
 // Stochastically passes rays[i] through the surfaces they hit. sampler_of(i) is the sampler of the ray's
-// sample, and name_of(i) distinguishes the rays of that sample. Returns the number of rays traced.
-template <typename NameOf, typename SamplerOf>
+// sample, and name_of(i) distinguishes the rays of that sample; weigh(i, tint) multiplies what the ray
+// carries. Returns the number of rays traced.
+template <typename NameOf, typename SamplerOf, typename Weigh>
 std::uint64_t pass_by_chance(const Scene& scene, std::span<Ray> rays, std::span<Hit> hits,
-                             const NameOf& name_of, const SamplerOf& sampler_of) {
+                             const NameOf& name_of, const SamplerOf& sampler_of, const Weigh& weigh) {
   const auto pass = [&](std::uint32_t i, const Ray& ray, const Hit& hit,
                         std::uint32_t crossing) -> std::optional<Ray> {
-    const auto [surface, opacity] = crossing_at(scene, ray, hit, crossing);
-    if (opacity >= 1) return std::nullopt;
-    if (opacity > 0 && sampler_of(i).opacity_number(name_of(i), crossing) < opacity) return std::nullopt;
-    return Ray{offset_origin(surface, ray.direction), ray.direction, ray.t_max};
+    const Crossing met = crossing_at(scene, ray, hit, crossing);
+    if (met.hit >= 1) return std::nullopt;
+    if (met.hit > 0 && sampler_of(i).opacity_number(name_of(i), crossing) < met.hit) return std::nullopt;
+    weigh(i, met.tint());
+    return Ray{offset_origin(met.surface, ray.direction), ray.direction, ray.t_max, ray.time};
   };
   return trace_through(scene, rays, hits, pass);
 }
@@ -80,13 +87,14 @@ struct Met {
   Ray ray;  // starts behind the last surface passed
   Hit hit;
   std::uint64_t traced = 1;  // the number of rays traced
+  Rgb tint = Rgb::gray(1);   // of the surfaces passed
 };
 // Traces one ray stochastically, as pass_by_chance does.
 Met meet_by_chance(const Scene& scene, const Ray& ray, const Sampler& sampler, std::uint64_t name);
 
 // Stores the transmittance along each shadow ray rays[i] in shares[i]. Returns the number of rays traced.
-std::uint64_t find_transmittances(const Scene& scene, std::span<const Ray> rays, std::span<float> shares);
+std::uint64_t find_transmittances(const Scene& scene, std::span<const Ray> rays, std::span<Rgb> shares);
 // The transmittance of one ray. Adds the number of rays traced to `traced`.
-float transmittance(const Scene& scene, const Ray& ray, std::uint64_t& traced);
+Rgb transmittance(const Scene& scene, const Ray& ray, std::uint64_t& traced);
 
 }  // namespace tessera::core

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <utility>
 
+#include "core/base/overloaded.hpp"
 #include "core/geometry/ray_lanes.hpp"
 #include "core/integrators/direct_light.hpp"
 #include "core/integrators/opacity.hpp"
@@ -16,7 +17,8 @@ namespace tessera::core {
 
 // With fewer than eight paths, the other lanes repeat the first.
 struct PathTracer::Paths {
-  Paths(const PathQueue::Batch& batch, std::span<const Hit> all_hits, std::span<const bool> all_emissive,
+  Paths(const PathQueue::Batch& batch, std::span<const Hit> all_hits,
+        std::span<const Material* const> all_materials, std::span<const bool> all_emissive,
         std::span<const std::uint32_t> slots)
       : count(slots.size()), used((1u << slots.size()) - 1), continuing(used) {
     RgbLanes throughputs;
@@ -26,6 +28,7 @@ struct PathTracer::Paths {
       heads[lane] = &batch.heads[slot];
       hits[lane] = &all_hits[slot];
       rays[lane] = &batch.rays[slot];
+      materials[lane] = all_materials[slot];
       emissive_lanes |= (lane < slots.size() && all_emissive[slot] ? 1u : 0u) << lane;
       throughputs.set(lane, heads[lane]->throughput);
       eta_scales.set(lane, heads[lane]->eta_scale);
@@ -55,20 +58,25 @@ struct PathTracer::Paths {
   std::array<const PathHead*, kLaneCount> heads;
   std::array<const Ray*, kLaneCount> rays;
   std::array<const Hit*, kLaneCount> hits;
+  SurfaceBatch::Materials materials;
+  bool plain_triangles = false;  // in all lanes
   RgbOf<Float8> throughput;
   Float8 eta_scale, guiding_pdf_ratio;
 };
 
 PathTracer::PathTracer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide,
-                       std::span<const Sampler> samplers, std::span<Rgb> radiance)
+                       std::span<const Sampler> samplers, std::span<Rgb> radiance,
+                       std::span<LightParts> parts)
     : scene_(scene),
       settings_(settings),
       // `naive` finds all other lights by BSDF sampling only.
       light_sampler_(settings.integrator == Integrator::kNaive ? scene.delta_light_sampler()
                                                                : scene.light_sampler()),
+      compensation_(mis_compensation(settings.integrator)),
       guide_(guide),
       samplers_(samplers),
       radiance_(radiance),
+      parts_(parts),
       depths_(samplers.size()),
       clamps_(settings.clamp_indirect > 0),
       indirect_(clamps_ ? samplers.size() : 0),
@@ -95,11 +103,12 @@ std::span<const std::uint32_t> PathTracer::step(RenderCounters& counters) {
   const int max_depth = settings_.max_depth > 0 ? settings_.max_depth : kMaxPathDepth;
   sort_by_material();
   for (std::size_t bin = 0; bin < kBins; ++bin)
-    for (std::size_t i = 0; i < bin_sizes_[bin]; i += kLaneCount) {
-      Paths eight(batch_, hits_, emissive_,
-                  {bins_[bin].data() + i, std::min(kLaneCount, bin_sizes_[bin] - i)});
-      eight.limit(depths_, max_depth);
-      shade(static_cast<Bin>(bin), eight, depth);
+    for (std::size_t i = 0; i < bins_[bin].size(); i += kLaneCount) {
+      const std::size_t count_here = std::min(kLaneCount, bins_[bin].size() - i);
+      Paths together(batch_, hits_, materials_, emissive_, {bins_[bin].slots.data() + i, count_here});
+      together.plain_triangles = i + count_here <= bins_[bin].triangles;
+      together.limit(depths_, max_depth);
+      shade(static_cast<Bin>(bin), together, depth);
     }
   add_unoccluded(counters, depth);
   collect_ended();
@@ -107,13 +116,14 @@ std::span<const std::uint32_t> PathTracer::step(RenderCounters& counters) {
   return ended_;
 }
 
-// Passing through a surface stochastically adds no depth and leaves the path heads unchanged.
+// Passing through a surface stochastically adds no depth, and tints the light.
 void PathTracer::pass_through_surfaces(RenderCounters& counters) {
   const std::span<Hit> hits(hits_.data(), batch_.rays.size());
   counters.closest_hit_rays += pass_by_chance(
       scene_, batch_.rays, hits,
       [&](std::uint32_t slot) { return std::uint64_t{depths_[batch_.heads[slot].path]}; },
-      [&](std::uint32_t slot) -> const Sampler& { return samplers_[batch_.heads[slot].path]; });
+      [&](std::uint32_t slot) -> const Sampler& { return samplers_[batch_.heads[slot].path]; },
+      [&](std::uint32_t slot, Rgb tint) { batch_.heads[slot].throughput *= tint; });
 }
 
 std::size_t PathTracer::list_after(std::size_t list) {
@@ -133,10 +143,17 @@ void PathTracer::collect_ended() {
   for (const PathHead& head : batch_.heads) {
     if (survives_[head.path] == 0) {
       ended_.push_back(head.path);
-      if (clamps_) radiance_[head.path] += clamped(indirect_[head.path], settings_.clamp_indirect);
+      if (clamps_) add_indirect(head.path);
     }
     survives_[head.path] = 0;
   }
+}
+
+// Adds the indirect light of a path that has ended, clamped.
+void PathTracer::add_indirect(std::uint32_t path) {
+  const Rgb indirect = clamped(indirect_[path], settings_.clamp_indirect);
+  radiance_[path] += indirect;
+  if (!parts_.empty()) parts_[path].indirect = indirect;
 }
 
 // The random numbers for a decision at these paths' vertices; `pad_at` returns their pad, by depth.
@@ -149,44 +166,107 @@ std::array<Float8, 4> PathTracer::numbers(const Paths& paths, int depth, PadAt p
 }
 
 PathTracer::Bin PathTracer::bin_of(const Material& material) {
-  if (is_diffuse(material)) return kDiffuse;
-  if (is_glossy(material)) return kGlossy;
-  const bool smooth =
-      std::holds_alternative<Mirror>(material.model) || std::holds_alternative<Glass>(material.model);
-  return smooth ? kMirrorsAndGlass : kRough;
+  if (std::holds_alternative<Blend>(material.model)) return kBlends;
+  switch (kernel_of(material)) {
+    case Kernel::kDiffuse:
+      return kDiffuse;
+    case Kernel::kGlossy:
+      return kGlossy;
+    case Kernel::kPhong:
+      return kPhong;
+    case Kernel::kSpecular:
+      return kSpecular;
+    case Kernel::kLayered:
+      break;
+    case Kernel::kMixed:
+      return kMixed;
+  }
+  return std::visit(
+      Overloaded{
+          [&](const Principled&) { return transmits_light(material.model) ? kClearPrincipled : kPrincipled; },
+          [](const Plastic&) { return kPlastic; }, [](const ConductorMaterial&) { return kConductor; },
+          [](const DiffuseTransmission&) { return kDiffuseTransmission; },
+          [](const ThinDielectric&) { return kThinDielectric; }, [](const auto&) { return kMixed; }},
+      material.model);
 }
 
 // Prefetches the data of all triangle vertices here, because it may be spread over memory.
-// away.
 void PathTracer::sort_by_material() {
-  bin_sizes_ = {};
+  for (SlotBin& bin : bins_) bin.triangles = bin.others = 0;
   const Primitives& primitives = scene_.primitives();
-  const auto is_triangle = [&](const Hit& hit) { return hit.found() && primitives.is_plain_triangle(hit); };
-  for (const Hit& hit : std::span(hits_).first(batch_.rays.size()))
-    if (is_triangle(hit)) primitives.prefetch_triangle(hit.primitive);
+  for (const Hit& hit : std::span(hits_).first(batch_.rays.size())) {
+    if (!hit.found()) continue;
+    const Primitives& owner = primitives.owner(hit);
+    if (owner.is_triangle(hit.primitive)) owner.prefetch_triangle(hit.primitive);
+  }
   for (std::uint32_t slot = 0; slot < batch_.rays.size(); ++slot) {
     const Hit& hit = hits_[slot];
-    const bool triangle = is_triangle(hit);
-    if (triangle) primitives.prefetch_corners(hit.primitive);
-    auto [bin, emissive] =
-        hit.found() ? material_kinds_[primitives.material(hit)] : MaterialKind{kEscaped, false};
+    emissive_[slot] = false;
+    if (!hit.found()) {
+      materials_[slot] = nullptr;
+      add_to_bin(kEscaped, slot, true);
+      continue;
+    }
+    const Primitives& owner = primitives.owner(hit);
+    const bool triangle = owner.is_triangle(hit.primitive);
+    if (triangle) owner.prefetch_corners(hit.primitive);
+    const std::uint32_t material = primitives.material(hit);
+    const auto [bin, emissive] = material_kinds_[material];
+    materials_[slot] = &scene_.materials()[material];
     emissive_[slot] = emissive;
-    if ((bin == kDiffuse || bin == kGlossy) && !triangle) bin = kRough;
-    bins_[bin][bin_sizes_[bin]++] = slot;
+    add_to_bin(bin, slot, triangle && !hit.in_instance());
   }
+  if (bins_[kBlends].size() > 0) add_parts_of_blends();
+  for (SlotBin& bin : bins_)
+    if (bin.size() < kBatchPaths)
+      std::copy(bin.slots.end() - static_cast<std::ptrdiff_t>(bin.others), bin.slots.end(),
+                bin.slots.begin() + static_cast<std::ptrdiff_t>(bin.triangles));
+}
+
+void PathTracer::add_to_bin(Bin bin, std::uint32_t slot, bool plain_triangle) {
+  SlotBin& into = bins_[bin];
+  into.slots[plain_triangle ? into.triangles++ : kBatchPaths - ++into.others] = slot;
+}
+
+// Each slot of a blend moves to the bin of the part that scatters.
+void PathTracer::add_parts_of_blends() {
+  SlotBin& blends = bins_[kBlends];
+  const auto move = [&](std::uint32_t slot, bool plain_triangle) {
+    const Ray& ray = batch_.rays[slot];
+    const SurfacePoint surface = scene_.primitives().surface(ray, hits_[slot]);
+    materials_[slot] = &scatterer_of(scene_, hits_[slot], surface, normalize(-ray.direction));
+    const auto part = static_cast<std::size_t>(materials_[slot] - scene_.materials().data());
+    add_to_bin(material_kinds_[part].bin, slot, plain_triangle);
+  };
+  for (std::size_t i = 0; i < blends.triangles; ++i) move(blends.slots[i], true);
+  for (std::size_t i = kBatchPaths - blends.others; i < kBatchPaths; ++i) move(blends.slots[i], false);
+  blends.triangles = blends.others = 0;
 }
 
 void PathTracer::shade(Bin bin, const Paths& paths, int depth) {
+  if (bin == kEscaped) return add_environment(paths, depth);
+  const SurfaceBatch surfaces(scene_, paths.rays, paths.hits, paths.materials, paths.plain_triangles);
   switch (bin) {
     case kDiffuse:
-      return shade(paths, diffuse_vertices(scene_, paths.rays, paths.hits), depth);
+      return shade(paths, diffuse_vertices(surfaces), depth);
     case kGlossy:
-      return shade(paths, glossy_vertices(scene_, paths.rays, paths.hits), depth);
-    case kRough:
-    case kMirrorsAndGlass:
-      return shade(paths, mixed_vertices(scene_, paths.rays, paths.hits, paths.count), depth);
+      return shade(paths, glossy_vertices(surfaces), depth);
+    case kPhong:
+      return shade(paths, phong_vertices(surfaces), depth);
+    case kSpecular:
+      return shade(paths, specular_vertices(surfaces), depth);
+    case kPrincipled:
+    case kClearPrincipled:
+    case kPlastic:
+    case kConductor:
+    case kDiffuseTransmission:
+    case kThinDielectric:
+      return shade(paths, layered_vertices(surfaces), depth);
+    case kMixed:
+      return shade(paths, mixed_vertices(surfaces, paths.count), depth);
+    case kBlends:
     case kEscaped:
-      return add_environment(paths, depth);
+      return;
   }
 }
 
@@ -199,7 +279,8 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
     SurfacePoint point;
     point.position = Vec3Lanes(vertices.position())[lane];
     point.uv = {FloatLanes(vertices.surface().uv.x)[lane], FloatLanes(vertices.surface().uv.y)[lane]};
-    add_emission(*paths.heads[lane], point, Vec3Lanes(vertices.wo())[lane], light, depth);
+    add_emission(*paths.heads[lane], point, Vec3Lanes(vertices.wo())[lane], light, paths.rays[lane]->time,
+                 depth);
   }
   if (paths.continuing == 0) return;
   const Guidance guidance = guidance_at(vertices);
@@ -210,6 +291,8 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
 
 // Adds the environment's radiance to escaped rays.
 void PathTracer::add_environment(const Paths& paths, int depth) {
+  for (std::size_t lane = 0; depth == 0 && !parts_.empty() && lane < paths.count; ++lane)
+    parts_[paths.heads[lane]->path].escaped = true;
   const std::uint32_t light = scene_.environment_light();
   if (light == kNoLight || (depth == 0 && !scene_.environment().visible_to_camera())) return;
   Vec3Lanes directions, normals;
@@ -217,24 +300,26 @@ void PathTracer::add_environment(const Paths& paths, int depth) {
     directions.set(lane, paths.rays[lane]->direction);
     normals.set(lane, paths.heads[lane]->last.normal);
   }
-  const Environment::Seen seen = scene_.environment().see(normals.all(), directions.all());
+  const Environment::Seen seen = scene_.environment().see(normals.all(), directions.all(), compensation_);
   const RgbLanes radiance(seen.radiance);
   const FloatLanes pdf(seen.pdf);
   for (std::size_t lane = 0; lane < paths.count; ++lane) {
     const PathHead& head = *paths.heads[lane];
     const float weight = emitter_hit_weight(light, head, [&] { return pdf[lane]; });
-    if (weight > 0) sum_of(head.path, depth) += head.throughput * radiance[lane] * weight;
+    if (weight > 0)
+      add(head.path, head.throughput * radiance[lane] * weight, depth, LightParts::Source::kEnvironment);
   }
 }
 
 // Adds emission hit by the ray itself.
 void PathTracer::add_emission(const PathHead& head, const SurfacePoint& surface, Vec3 wo, std::uint32_t light,
-                              int depth) {
-  const AreaLight& area = scene_.area_light(light);
-  const float weight =
-      emitter_hit_weight(light, head, [&] { return area.pdf(head.last.position, surface.position); });
-  if (weight > 0)
-    sum_of(head.path, depth) += head.throughput * area.emitted(scene_.textures(), surface, wo) * weight;
+                              float time, int depth) {
+  scene_.with_area_light(light, time, [&](const AreaLight& area) {
+    const float weight =
+        emitter_hit_weight(light, head, [&] { return area.pdf(head.last.position, surface.position); });
+    if (weight > 0)
+      add(head.path, head.throughput * area.emitted(scene_.textures(), surface, wo) * weight, depth);
+  });
 }
 
 // The weight of light that a BSDF sample found. If the previous vertex could also have sampled it, `nee`
@@ -243,8 +328,16 @@ template <typename Pdf>
 float PathTracer::emitter_hit_weight(std::uint32_t light, const PathHead& head, Pdf pdf) const {
   if (head.last_pdf == kDeltaPdf || settings_.integrator == Integrator::kNaive) return 1;
   if (settings_.integrator == Integrator::kNee || head.emitter_mis_scale == 0) return 0;
-  return head.emitter_mis_scale *
-         mis_weight(settings_.heuristic, head.last_pdf, scene_.light_sampler().pmf(head.last, light) * pdf());
+  const float pmf = scene_.light_sampler().pmf(head.last, light, compensation_);
+  return head.emitter_mis_scale * mis_weight(settings_.heuristic, head.last_pdf, pmf * pdf());
+}
+
+// The times of the paths' rays.
+Float8 PathTracer::times_of(const Paths& paths) const {
+  if (!scene_.has_motion()) return 0.0f;
+  FloatLanes times;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) times.set(lane, paths.rays[lane]->time);
+  return times.all();
 }
 
 // Samples a light for each vertex, and evaluates what the vertex reflects of it along the path.
@@ -257,7 +350,7 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
   for (std::size_t lane = 0; lane < kLaneCount; ++lane)
     u_light[lane] = combine_uniforms(coarse[lane], fine[lane]);
   const LightSampleContexts light_contexts{vertices.position(), vertices.light_normal()};
-  const auto choices = light_sampler_.sample(light_contexts, u_light, lit);
+  const auto choices = light_sampler_.sample(light_contexts, u_light, lit, compensation_);
   std::array<const Light*, kLaneCount> chosen{};
   FloatLanes pmf;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
@@ -265,7 +358,8 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
     if ((lit >> lane & 1) != 0 && light != kNoLight) chosen[lane] = &scene_.lights()[light];
     pmf.set(lane, chance);
   }
-  const LightSamples lights = sample_lights(chosen, scene_.textures(), light_contexts, {u[0], u[1]});
+  const LightSamples lights =
+      sample_lights(chosen, scene_.textures(), light_contexts, {u[0], u[1]}, compensation_, times_of(paths));
   const BsdfValueOf<Float8> scattered = vertices.evaluate(lights.wi);
   const Mask8 found = lights.found & !is_black(scattered.value);
   const Float8 light_pdf = pmf.all() * lights.pdf;
@@ -276,6 +370,7 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
     assert(connection_count_ < kBatchPaths);
     shadow_rays_[connection_count_] = rays[lane];
+    shadow_rays_[connection_count_].time = paths.rays[lane]->time;
     connections_[connection_count_] = {paths.heads[lane]->path, gained[lane]};
     ++connection_count_;
   }
@@ -317,13 +412,15 @@ void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Gui
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
     survives_[paths.heads[lane]->path] = 1;
     ++depths_[paths.heads[lane]->path];
-    next_paths_->push(rays[lane], {.path = paths.heads[lane]->path,
-                                   .throughput = throughputs[lane],
-                                   .eta_scale = eta_scales[lane],
-                                   .last_pdf = pdf[lane],
-                                   .last = {position[lane], normal[lane]},
-                                   .emitter_mis_scale = emitter_mis_scales[lane],
-                                   .guiding_pdf_ratio = guiding_pdf_ratios[lane]});
+    Ray next_ray = rays[lane];
+    next_ray.time = paths.rays[lane]->time;
+    next_paths_->push(next_ray, {.path = paths.heads[lane]->path,
+                                 .throughput = throughputs[lane],
+                                 .eta_scale = eta_scales[lane],
+                                 .last_pdf = pdf[lane],
+                                 .last = {position[lane], normal[lane]},
+                                 .emitter_mis_scale = emitter_mis_scales[lane],
+                                 .guiding_pdf_ratio = guiding_pdf_ratios[lane]});
   }
 }
 
@@ -383,7 +480,7 @@ void PathTracer::add_unoccluded(RenderCounters& counters, int depth) {
   counters.shadow_rays += count;
   scene_.bvh().any_hits(scene_.primitives(), {shadow_rays_.data(), count}, {occluded_.data(), count});
   for (std::size_t i = 0; i < count; ++i)
-    if (occluded_[i] == 0) sum_of(connections_[i].path, depth + 1) += connections_[i].radiance;
+    if (occluded_[i] == 0) add(connections_[i].path, connections_[i].radiance, depth + 1);
   if (!scene_.is_opaque()) add_transmitted(count, counters, depth);
 }
 
@@ -396,11 +493,11 @@ void PathTracer::add_transmitted(std::size_t count, RenderCounters& counters, in
     rays.push_back(shadow_rays_[i]);
     of_rays.push_back(i);
   }
-  std::vector<float> shares(rays.size());
+  std::vector<Rgb> shares(rays.size());
   counters.shadow_rays += find_transmittances(scene_, rays, shares);
   for (std::size_t k = 0; k < rays.size(); ++k) {
     const auto& [path, radiance] = connections_[of_rays[k]];
-    if (shares[k] > 0) sum_of(path, depth + 1) += radiance * shares[k];
+    if (!is_black(shares[k])) add(path, radiance * shares[k], depth + 1);
   }
 }
 

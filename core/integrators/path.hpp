@@ -14,6 +14,7 @@
 
 #include "core/film/film.hpp"
 #include "core/guiding/light_guide.hpp"
+#include "core/integrators/light_parts.hpp"
 #include "core/integrators/path_queue.hpp"
 #include "core/integrators/vertex_batch.hpp"
 #include "core/sampling/sampler.hpp"
@@ -28,10 +29,10 @@ inline constexpr int kMaxPathDepth = 4096;
 // Too large for the stack. For use by one thread.
 class PathTracer {
  public:
-  // Path i uses the random numbers of samplers[i], and its result is added to radiance[i]. `guide` may be
-  // null; `naive` uses none. Keeps references.
+  // Path i uses the random numbers of samplers[i], and its result is added to radiance[i], and divided to
+  // parts[i] if there are any. `guide` may be null; `naive` uses none. Keeps references.
   PathTracer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide,
-             std::span<const Sampler> samplers, std::span<Rgb> radiance);
+             std::span<const Sampler> samplers, std::span<Rgb> radiance, std::span<LightParts> parts = {});
 
   // Starts path `path`, which must not be active, with a camera ray.
   void begin(const Ray& ray, std::uint32_t path) {
@@ -39,6 +40,7 @@ class PathTracer {
     radiance_[path] = {};
     depths_[path] = 0;
     if (clamps_) indirect_[path] = {};
+    if (!parts_.empty()) parts_[path] = {};
     waiting_.front().push(ray, {.path = path});
   }
   // Advances up to kBatchPaths paths by one step, at the depth where most paths wait. Some path must be
@@ -52,10 +54,24 @@ class PathTracer {
     Rgb radiance;  // to be added to the path
   };
 
-  // Vertices that are shaded together, and escaped rays. Mirrors and glass are separate because light
-  // sampling rarely applies to them.
-  enum Bin { kDiffuse, kGlossy, kRough, kMirrorsAndGlass, kEscaped };
-  static constexpr std::size_t kBins = 5;
+  // Vertices that are shaded together: of one kernel, and layered ones of the same model, which mostly have
+  // the same lobes. Escaped rays. Blends wait here only until it is known which part scatters.
+  enum Bin {
+    kDiffuse,
+    kGlossy,
+    kPhong,
+    kSpecular,
+    kPrincipled,
+    kClearPrincipled,
+    kPlastic,
+    kConductor,
+    kDiffuseTransmission,
+    kThinDielectric,
+    kMixed,
+    kBlends,
+    kEscaped
+  };
+  static constexpr std::size_t kBins = 13;
   static Bin bin_of(const Material& material);
   struct MaterialKind {
     Bin bin;
@@ -69,7 +85,10 @@ class PathTracer {
   static std::size_t list_after(std::size_t list);
   std::size_t longest_list() const;
   void collect_ended();
+  void add_indirect(std::uint32_t path);
   void sort_by_material();
+  void add_to_bin(Bin bin, std::uint32_t slot, bool plain_triangle);
+  void add_parts_of_blends();
   template <typename Vertices>
   void shade(const Paths& paths, const Vertices& vertices, int depth);
   void shade(Bin bin, const Paths& paths, int depth);
@@ -77,7 +96,8 @@ class PathTracer {
   std::array<Float8, 4> numbers(const Paths& paths, int depth, PadAt pad_at) const;
   void add_environment(const Paths& paths, int depth);
   void add_emission(const PathHead& head, const SurfacePoint& surface, Vec3 wo, std::uint32_t light,
-                    int depth);
+                    float time, int depth);
+  Float8 times_of(const Paths& paths) const;
   template <typename Pdf>
   float emitter_hit_weight(std::uint32_t light, const PathHead& head, Pdf pdf) const;
   using Guidance = LightGuide::GuidanceOf<Float8>;
@@ -95,19 +115,23 @@ class PathTracer {
                                Float8 u_lobe) const;
   void add_unoccluded(RenderCounters& counters, int depth);
   void add_transmitted(std::size_t count, RenderCounters& counters, int depth);
-  // The sum that light scattered this many times is added to.
-  Rgb& sum_of(std::uint32_t path, int scatterings) {
-    return clamps_ && scatterings > 1 ? indirect_[path] : radiance_[path];
+  // Adds light that was scattered this many times.
+  void add(std::uint32_t path, Rgb radiance, int scatterings,
+           LightParts::Source source = LightParts::Source::kEmission) {
+    (clamps_ && scatterings > 1 ? indirect_[path] : radiance_[path]) += radiance;
+    if (!parts_.empty()) parts_[path].add(radiance, scatterings, source);
   }
 
   const Scene& scene_;
   const RenderSettings settings_;
   const LightSampler& light_sampler_;
+  const MisCompensation compensation_;
   const LightGuide* guide_;
   std::vector<MaterialKind> material_kinds_;
 
   const std::span<const Sampler> samplers_;
   const std::span<Rgb> radiance_;
+  const std::span<LightParts> parts_;  // empty, or one for each path
   // Waiting paths by depth; never empty. Two more lists, for even and odd depths, hold paths with a depth
   // of at least kListsByDepth.
   std::deque<PathQueue> waiting_{1};
@@ -119,11 +143,18 @@ class PathTracer {
   // State of a step:
   PathQueue::Batch batch_;
   PathQueue* next_paths_ = nullptr;
-  std::array<Hit, kBatchPaths> hits_;       // of the batch's rays
-  std::array<bool, kBatchPaths> emissive_;  // whether the hit material is emissive
-  // Slots of the batch, sorted by bin.
-  std::array<std::size_t, kBins> bin_sizes_{};
-  std::array<std::array<std::uint32_t, kBatchPaths>, kBins> bins_;
+  std::array<Hit, kBatchPaths> hits_;                   // of the batch's rays
+  std::array<bool, kBatchPaths> emissive_;              // whether the hit material is emissive
+  std::array<const Material*, kBatchPaths> materials_;  // that scatter at the hits
+  // Slots of the batch. In each bin, plain triangles are the first ones, and all others the last ones of the
+  // array, so that few groups of lanes have both.
+  struct SlotBin {
+    std::size_t size() const { return triangles + others; }
+
+    std::size_t triangles = 0, others = 0;
+    std::array<std::uint32_t, kBatchPaths> slots;
+  };
+  std::array<SlotBin, kBins> bins_;
   std::size_t connection_count_ = 0;
   std::array<Ray, kBatchPaths> shadow_rays_;
   std::array<Connection, kBatchPaths> connections_;  // of shadow_rays_

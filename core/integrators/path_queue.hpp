@@ -40,7 +40,7 @@ class PathQueue {
   // Valid until paths are pushed or dropped.
   struct Batch {
     std::span<Ray> rays;
-    std::span<const PathHead> heads;  // of the rays
+    std::span<PathHead> heads;  // of the rays
   };
 
   std::size_t size() const { return size_; }
@@ -61,8 +61,7 @@ class PathQueue {
   // The most recent paths, at most kBatchPaths.
   Batch last() {
     const std::size_t count = std::min(size_, kBatchPaths);
-    return {std::span(rays_).subspan(size_ - count, count),
-            std::span<const PathHead>(heads_).subspan(size_ - count, count)};
+    return {std::span(rays_).subspan(size_ - count, count), std::span(heads_).subspan(size_ - count, count)};
   }
   void drop_last(std::size_t count) { size_ -= count; }
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/lights/mis_compensation.hpp"
 #include "core/math/lane_array.hpp"
 #include "core/scene/settings.hpp"
 
@@ -13,6 +14,11 @@ namespace tessera::core {
 // The first vertex with Russian roulette, and the scales of the survival probability there and further on.
 inline constexpr int kFirstRouletteDepth = 1;
 inline constexpr float kFirstSurvivalScale = 1.6f, kSurvivalScale = 1.2f;
+
+// Whether light samples of the integrator leave to BSDF samples what these find as well.
+inline MisCompensation mis_compensation(Integrator integrator) {
+  return integrator == Integrator::kMis ? MisCompensation::kOn : MisCompensation::kOff;
+}
 
 // The balance or the power heuristic for two densities with one sample of each (Veach and Guibas 1995).
 // Squares of the densities may overflow, but not their ratio.

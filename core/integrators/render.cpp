@@ -11,6 +11,7 @@
 #include "core/base/parallel_errors.hpp"
 #include "core/integrators/caustic_guide.hpp"
 #include "core/integrators/path.hpp"
+#include "core/integrators/sample_layers.hpp"
 #include "core/integrators/volume_path.hpp"
 #include "core/integrators/whitted.hpp"
 #include "core/math/lane_array.hpp"
@@ -69,13 +70,15 @@ void deposit(Rgb radiance, const Sampler& sampler, bool odd, PixelSums pixel, Re
 // The work of one thread: takes batches of samples and adds them to the film, in any order.
 class Renderer {
  public:
-  Renderer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide)
+  // The samples have the layers of the tile, which may be null if there are none.
+  Renderer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide, FilmTile* tile)
       : scene_(scene),
         settings_(settings),
         samples_(kSamplesUnderWay),
         samplers_(kSamplesUnderWay, Sampler(settings.seed, 0, 0, 0)),
         radiance_(kSamplesUnderWay),
-        path_tracer_(scene, settings, guide, samplers_, radiance_) {
+        layers_(scene, tile, kSamplesUnderWay),
+        path_tracer_(scene, settings, guide, samplers_, radiance_, layers_.parts()) {
     for (std::uint32_t i = 0; i < kSamplesUnderWay; ++i) free_.push_back(kSamplesUnderWay - 1 - i);
     begun_.reserve(kBatchPaths);
   }
@@ -109,6 +112,7 @@ class Renderer {
   }
 
   const RenderCounters& counters() const { return counters_; }
+  SampleLayers& layers() { return layers_; }
 
  private:
   // Enough samples that mostly kBatchPaths of them are at the same depth, few enough for the caches.
@@ -121,30 +125,37 @@ class Renderer {
 
   void send_camera_rays() {
     for (std::size_t i = 0; i < begun_.size(); i += kLaneCount)
-      send_eight(std::span(begun_).subspan(i, std::min(kLaneCount, begun_.size() - i)));
+      send_batch(std::span(begun_).subspan(i, std::min(kLaneCount, begun_.size() - i)));
     counters_.samples += begun_.size();
+    counters_.closest_hit_rays += layers_.add_surfaces();
     begun_.clear();
   }
 
-  void send_eight(std::span<const std::uint32_t> numbers) {
+  void send_batch(std::span<const std::uint32_t> numbers) {
     std::array<const Sampler*, kLaneCount> samplers;
     for (std::size_t i = 0; i < kLaneCount; ++i)
       samplers[i] = &samplers_[numbers[i < numbers.size() ? i : 0]];
     const auto pads = Sampler::pads(samplers, kCameraPad);
     const FloatLanes u_x(pads[0]), u_y(pads[1]), lens_u(pads[2]), lens_v(pads[3]);
+    FloatLanes time{};
+    if (scene_.has_motion()) time = FloatLanes(Sampler::pads(samplers, kTimePad)[0]);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const SampleId id = samples_[numbers[i]].id;
       const Vec2 raster = sample_raster(settings_.filter, id.x, id.y, {u_x[i], u_y[i]});
-      send(scene_.camera().ray(raster, settings_.width_px, settings_.height_px, {lens_u[i], lens_v[i]}),
-           numbers[i]);
+      send(
+          scene_.camera_ray(raster, settings_.width_px, settings_.height_px, {lens_u[i], lens_v[i]}, time[i]),
+          numbers[i]);
     }
   }
 
   void send(const Ray& ray, std::uint32_t number) {
+    layers_.begin(ray, samples_[number].id, samplers_[number]);
     const bool whitted = settings_.integrator == Integrator::kWhitted;
     if (!whitted && !scene_.has_media()) return path_tracer_.begin(ray, number);
-    radiance_[number] = whitted ? trace_whitted(scene_, settings_, samplers_[number], ray, counters_)
-                                : trace_volume_path(scene_, settings_, samplers_[number], ray, counters_);
+    LightParts* const parts = layers_.parts_of(number);
+    radiance_[number] = whitted
+                            ? trace_whitted(scene_, settings_, samplers_[number], ray, counters_, parts)
+                            : trace_volume_path(scene_, settings_, samplers_[number], ray, counters_, parts);
     deposit_or_report(number);
   }
 
@@ -157,8 +168,10 @@ class Renderer {
     free_.push_back(number);
     const auto& [id, pixel] = samples_[number];
     const Rgb radiance = radiance_[number];
-    if (can_be_counted(radiance))
+    if (can_be_counted(radiance)) {
+      layers_.add_light(number, id, samplers_[number]);
       return deposit(radiance, samplers_[number], id.sample % 2 == 1, pixel, counters_);
+    }
     RenderCounters lost;
     lost.non_finite_samples = 1;
     lost.first_non_finite = id;
@@ -174,8 +187,16 @@ class Renderer {
   std::vector<Rgb> radiance_;
   std::vector<std::uint32_t> free_;   // unused slots
   std::vector<std::uint32_t> begun_;  // samples whose camera rays are yet to be generated
+  SampleLayers layers_;
   PathTracer path_tracer_;
 };
+
+// All words of the planes of the tile, so that threads can add to them.
+void allocate_planes(FilmTile& tile) {
+  const FilmLayout layout = film_layout(tile.layers);
+  for (std::size_t i = 0; i < tile.planes.size(); ++i)
+    if (layout.plane(i).encoding != ChannelEncoding::kIds) tile.planes[i].resize(tile.rect.pixel_count());
+}
 
 void render_block(PixelRect block, FilmTile& tile, Renderer& renderer) {
   const auto width = static_cast<std::size_t>(tile.rect.width());
@@ -194,7 +215,8 @@ void render_block(PixelRect block, FilmTile& tile, Renderer& renderer) {
 
 FilmTile render(const Scene& scene, const RenderSettings& settings, PixelRect rect, SampleRange range,
                 int threads) {
-  FilmTile tile(rect, range);
+  FilmTile tile(rect, range, settings.layers);
+  allocate_planes(tile);
   const TileGrid blocks(rect, kBlockPx);
   const int team = std::clamp(threads, 1, blocks.tile_count());
   std::vector<RenderCounters> counters(static_cast<std::size_t>(team));
@@ -203,7 +225,7 @@ FilmTile render(const Scene& scene, const RenderSettings& settings, PixelRect re
 #pragma omp parallel num_threads(team)
   {
     std::unique_ptr<Renderer> renderer;
-    errors.run([&] { renderer = std::make_unique<Renderer>(scene, settings, guide); });
+    errors.run([&] { renderer = std::make_unique<Renderer>(scene, settings, guide, &tile); });
 #pragma omp for schedule(dynamic) nowait
     for (int b = 0; b < blocks.tile_count(); ++b)
       errors.run([&] { render_block(blocks.rect(b), tile, *renderer); });
@@ -211,14 +233,18 @@ FilmTile render(const Scene& scene, const RenderSettings& settings, PixelRect re
       renderer->flush();
       counters[static_cast<std::size_t>(omp_get_thread_num())] = renderer->counters();
     });
+#pragma omp critical
+    errors.run([&] { renderer->layers().finish(); });
   }
   errors.rethrow();
+  for (Plane& plane : tile.planes) drop_zeros(plane);
   for (const RenderCounters& of_thread : counters) tile.counters.add(of_thread);
   return tile;
 }
 
 Rgb render_sample(const Scene& scene, const RenderSettings& settings, SampleId id) {
-  return std::make_unique<Renderer>(scene, settings, caustic_guide(scene, settings, 1))->radiance_of(id);
+  return std::make_unique<Renderer>(scene, settings, caustic_guide(scene, settings, 1), nullptr)
+      ->radiance_of(id);
 }
 
 }  // namespace tessera::core

@@ -22,7 +22,7 @@ float hashed_number(Vec3 a, Vec3 b) {
 const Material& scatterer_of(const Scene& scene, const Hit& hit, const SurfacePoint& surface, Vec3 wo) {
   const Material& material = scene.material_of(hit);
   if (!std::holds_alternative<Blend>(material.model)) return material;
-  return scatterer_at(material, scene.materials(), scene.textures(), surface.uv,
+  return scatterer_at(material, scene.materials(), scene.textures(), surface.uv, meeting_cosine(surface, wo),
                       hashed_number(surface.position, wo));
 }
 
@@ -44,6 +44,13 @@ Tangents image_tangents(const Scene& scene, const Texture& map, const Hit& hit, 
           unit_or_zero(double{map.scale.x} * v - double{map.shear.x} * u)};
 }
 
+Vec3 bumped_normal(const Scene& scene, const Material& material, const Hit& hit, const SurfacePoint& surface,
+                   Vec3 normal) {
+  const Texture& heights = scene.textures()[static_cast<std::size_t>(material.bump.texture)];
+  const auto [dp_du, dp_dv] = scene.primitives().uv_derivatives(hit, surface);
+  return tilt_by_heights(height_slope(heights, material.bump.height, surface.uv), normal, dp_du, dp_dv);
+}
+
 Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit,
                     const SurfacePoint& surface) {
   Vec3 normal = surface.shading_normal;
@@ -53,10 +60,7 @@ Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit
     normal = perturb_by_normal_map(map.evaluate(surface.uv), material.normal_map.strength, normal, along_u,
                                    along_v);
   }
-  if (material.bump.texture < 0) return normal;
-  const Texture& heights = scene.textures()[static_cast<std::size_t>(material.bump.texture)];
-  const auto [dp_du, dp_dv] = scene.primitives().uv_derivatives(hit, surface);
-  return tilt_by_heights(height_slope(heights, material.bump.height, surface.uv), normal, dp_du, dp_dv);
+  return material.bump.texture < 0 ? normal : bumped_normal(scene, material, hit, surface, normal);
 }
 
 namespace {
@@ -70,7 +74,9 @@ Vec3 viewed_normal(const ViewedSide<float>& side, Vec3 outward, const MaterialMo
 }  // namespace
 
 PathVertex::PathVertex(const Scene& scene, const Ray& ray, const Hit& hit)
-    : PathVertex(scene, hit, scene.primitives().surface(ray, hit), normalize(-ray.direction)) {}
+    : PathVertex(scene, hit, scene.primitives().surface(ray, hit), normalize(-ray.direction)) {
+  time_ = ray.time;
+}
 
 PathVertex::PathVertex(const Scene& scene, const Hit& hit, const SurfacePoint& surface, Vec3 wo)
     : PathVertex(scene, scatterer_of(scene, hit, surface, wo), hit, surface, wo) {}
@@ -115,7 +121,7 @@ std::array<std::optional<PathVertex::Scattered>, 2> PathVertex::delta_branches()
 }
 
 Ray PathVertex::ray_toward(const LightSample& light) const {
-  return light.point ? ray_to(*light.point) : ray_along(light.wi);
+  return light.point ? timed(ray_to(*light.point)) : ray_along(light.wi);
 }
 
 }  // namespace tessera::core

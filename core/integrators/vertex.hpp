@@ -3,15 +3,17 @@
 // thread that traces the path.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "core/geometry/primitives.hpp"
 #include "core/integrators/shading_normal.hpp"
 #include "core/lights/light_sample.hpp"
-#include "core/materials/bsdf.hpp"
 #include "core/math/frame.hpp"
 #include "core/scene/scene.hpp"
+#include "core/shading/bsdf.hpp"
 
 namespace tessera::core {
 
@@ -45,6 +47,7 @@ class VertexOf {
         side_local_(frame_.to_local(side_normal)),
         bsdf_(bsdf) {
     bsdf_.scale_diffuse(diffuse_scale(side_local_));
+    if constexpr (requires { bsdf_.look_from(wo_local_.z); }) bsdf_.look_from(wo_local_.z);
   }
 
   Vec3Of<T> position() const { return surface_.position; }
@@ -139,6 +142,10 @@ class PathVertex : public VertexOf<float, Bsdf> {
   // All directions of delta lobes (reflection and transmission), each weighted by its fraction of the light.
   std::array<std::optional<Scattered>, 2> delta_branches() const;
 
+  // That of the ray that hit the surface.
+  float time() const { return time_; }
+  // As VertexOf::ray_along(), at the time of the ray that hit the surface.
+  Ray ray_along(Vec3 wi) const { return timed(VertexOf::ray_along(wi)); }
   // A shadow ray towards the light sample.
   Ray ray_toward(const LightSample& light) const;
 
@@ -150,10 +157,21 @@ class PathVertex : public VertexOf<float, Bsdf> {
              Vec3 wo, const ViewedSide<float>& side);
 
   Scattered delta_to_world(const BsdfSample& local) const;
+  Ray timed(Ray ray) const {
+    ray.time = time_;
+    return ray;
+  }
+
+  float time_ = 0;
 };
 
 // The unit directions on the surface in which u and v of the image `map` grow at a hit; zero if undefined.
 Tangents image_tangents(const Scene& scene, const Texture& map, const Hit& hit, const SurfacePoint& surface);
+
+// The cosine of the angle between a direction, unit, and the interpolated shading normal, in [0, 1].
+inline float meeting_cosine(const SurfacePoint& surface, Vec3 direction) {
+  return std::min(1.0f, std::fabs(dot(surface.shading_normal, direction)));
+}
 
 // The material that scatters light at the hit: of a blend, one of its parts, chosen by a hash of the point
 // and the direction to the viewer.
@@ -161,6 +179,10 @@ const Material& scatterer_of(const Scene& scene, const Hit& hit, const SurfacePo
 
 // The direction of increasing u at the hit, along which anisotropic highlights lie; in world space.
 Vec3 highlight_tangent(const Scene& scene, const Hit& hit, const SurfacePoint& surface);
+
+// `normal` tilted by the material's bump map, which it must have.
+Vec3 bumped_normal(const Scene& scene, const Material& material, const Hit& hit, const SurfacePoint& surface,
+                   Vec3 normal);
 
 // The outward shading normal: interpolated, then perturbed by the material's maps.
 Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit,

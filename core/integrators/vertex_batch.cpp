@@ -1,123 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/integrators/vertex_batch.hpp"
 
-#include <algorithm>
-#include <bit>
-
+#include "core/base/overloaded.hpp"
 #include "core/materials/limits.hpp"
-#include "core/materials/normal_map.hpp"
+#include "core/shading/model_at.hpp"
 
 namespace tessera::core {
 namespace {
 
-using Rays = std::array<const Ray*, kLaneCount>;
-using Hits = std::array<const Hit*, kLaneCount>;
-constexpr unsigned kAllLanes = (1u << kLaneCount) - 1;
-
-Vec3Of<Float8> toward_origins(const Rays& rays) {
-  Vec3Lanes directions;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) directions.set(lane, rays[lane]->direction);
-  return normalize(-directions.all());
-}
-
-// Surface points that are computed one by one.
-class SurfaceLanes {
- public:
-  explicit SurfaceLanes(const SurfacePointOf<Float8>& all)
-      : position_(all.position),
-        position_error_(all.position_error),
-        geometric_normal_(all.geometric_normal),
-        shading_normal_(all.shading_normal),
-        u_(all.uv.x),
-        v_(all.uv.y) {}
-
-  void set(std::size_t lane, const SurfacePoint& point) {
-    position_.set(lane, point.position);
-    position_error_.set(lane, point.position_error);
-    geometric_normal_.set(lane, point.geometric_normal);
-    shading_normal_.set(lane, point.shading_normal);
-    u_.set(lane, point.uv.x);
-    v_.set(lane, point.uv.y);
-  }
-  SurfacePoint operator[](std::size_t lane) const {
-    return {position_[lane],
-            position_error_[lane],
-            geometric_normal_[lane],
-            shading_normal_[lane],
-            {u_[lane], v_[lane]}};
-  }
-  SurfacePointOf<Float8> all() const {
-    return {position_.all(),
-            position_error_.all(),
-            geometric_normal_.all(),
-            shading_normal_.all(),
-            {u_.all(), v_.all()}};
-  }
-
- private:
-  Vec3Lanes position_, position_error_, geometric_normal_, shading_normal_;
-  FloatLanes u_, v_;
-};
-
-SurfacePointOf<Float8> select(Mask8 mask, const SurfacePointOf<Float8>& a, const SurfacePointOf<Float8>& b) {
-  return {select(mask, a.position, b.position),
-          select(mask, a.position_error, b.position_error),
-          select(mask, a.geometric_normal, b.geometric_normal),
-          select(mask, a.shading_normal, b.shading_normal),
-          {select(mask, a.uv.x, b.uv.x), select(mask, a.uv.y, b.uv.y)}};
-}
-
-// Fills the lanes outside a set with one of the set's lanes.
-template <typename Pointers>
-Pointers filled(Pointers all, unsigned set) {
-  const auto some = static_cast<std::size_t>(std::countr_zero(set));
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-    if ((set >> lane & 1) == 0) all[lane] = all[some];
-  return all;
-}
-
-SurfacePointOf<Float8> surfaces(const Primitives& primitives, const Rays& rays, const Hits& hits) {
-  unsigned triangles = 0, spheres = 0;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    triangles |= (primitives.is_plain_triangle(*hits[lane]) ? 1u : 0u) << lane;
-    spheres |= (primitives.is_plain_sphere(*hits[lane]) ? 1u : 0u) << lane;
-  }
-  SurfacePointOf<Float8> all;
-  if (triangles != 0) all = primitives.triangle_surfaces(filled(hits, triangles));
-  if (spheres != 0)
-    all = select(Mask8::from_bits(spheres),
-                 primitives.sphere_surfaces(filled(rays, spheres), filled(hits, spheres)), all);
-  const unsigned others = kAllLanes & ~(triangles | spheres);
-  if (others == 0) return all;
-  SurfaceLanes lanes(all);
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-    if ((others >> lane & 1) != 0) lanes.set(lane, primitives.surface(*rays[lane], *hits[lane]));
-  return lanes.all();
-}
-
-using Materials = std::array<const Material*, kLaneCount>;
-
-// outward_normal() for eight triangles.
-Vec3Of<Float8> outward_normals(const Scene& scene, const Materials& materials, const Hits& hits,
-                               const SurfacePointOf<Float8>& surface) {
-  std::array<const Texture*, kLaneCount> maps{};
-  FloatLanes strength{};
-  Vec3Lanes along_u{}, along_v{};  // zero without a map: normals then stay unchanged
-  const Texture* some_map = nullptr;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    const NormalMap& map = materials[lane]->normal_map;
-    if (map.texture < 0) continue;
-    some_map = maps[lane] = &scene.textures()[static_cast<std::size_t>(map.texture)];
-    strength.set(lane, map.strength);
-    const auto [of_u, of_v] = image_tangents(scene, *some_map, *hits[lane], {});
-    along_u.set(lane, of_u);
-    along_v.set(lane, of_v);
-  }
-  if (!some_map) return surface.shading_normal;
-  std::replace(maps.begin(), maps.end(), static_cast<const Texture*>(nullptr), some_map);
-  return perturb_by_normal_map(Texture::evaluate(maps, surface.uv), strength.all(), surface.shading_normal,
-                               along_u.all(), along_v.all());
-}
+using Materials = SurfaceBatch::Materials;
 
 Mask8 f0_is_base_color(const Materials& glossy) {
   unsigned lanes = 0;
@@ -126,10 +17,11 @@ Mask8 f0_is_base_color(const Materials& glossy) {
   return Mask8::from_bits(lanes);
 }
 
-// The BSDFs of eight glossy materials, with their textures evaluated.
-CookTorranceBsdfOf<Float8> glossy_bsdfs(const Scene& scene, const Materials& materials, const Hits& hits,
-                                        Vec2Of<Float8> uv) {
-  const std::vector<Texture>& textures = scene.textures();
+// The BSDFs of glossy materials, with their textures evaluated.
+CookTorranceBsdfOf<Float8> glossy_bsdfs(const SurfaceBatch& batch) {
+  const Materials& materials = batch.materials;
+  const std::vector<Texture>& textures = batch.scene.textures();
+  const Vec2Of<Float8> uv = batch.surface.uv;
   std::array<const ColorParameter*, kLaneCount> diffuse, specular, f0;
   std::array<const ScalarParameter*, kLaneCount> roughness;
   RgbLanes eta{}, k{};
@@ -146,8 +38,8 @@ CookTorranceBsdfOf<Float8> glossy_bsdfs(const Scene& scene, const Materials& mat
     eta.set(lane, index.eta), k.set(lane, index.k);
   }
   RgbOf<Float8> kd = evaluate(diffuse, textures, uv), r0 = evaluate(f0, textures, uv);
-  if (scene.primitives().has_vertex_colors()) {
-    const RgbOf<Float8> tint = scene.primitives().triangle_colors(hits);
+  if (batch.scene.primitives().has_vertex_colors()) {
+    const RgbOf<Float8> tint = batch.tints();
     kd = kd * tint;
     r0 = select(f0_is_base_color(materials), r0 * tint, r0);
   }
@@ -199,7 +91,7 @@ BsdfValueOf<Float8> MixedBsdfs::evaluate(Vec3Of<Float8> wo_local, Vec3Of<Float8>
   return {value.all(), pdf.all()};
 }
 
-BsdfSamples MixedBsdfs::sample(Vec3Of<Float8> wo_local, Vec2Of<Float8> u, Float8 u_lobe) const {
+BsdfSampleOf<Float8> MixedBsdfs::sample(Vec3Of<Float8> wo_local, Vec2Of<Float8> u, Float8 u_lobe) const {
   const Vec3Lanes wo(wo_local);
   const FloatLanes u_x(u.x), u_y(u.y), lobe(u_lobe);
   Vec3Lanes wi{};
@@ -227,78 +119,130 @@ BsdfSamples MixedBsdfs::sample(Vec3Of<Float8> wo_local, Vec2Of<Float8> u, Float8
           eta.all()};
 }
 
-bool is_diffuse(const Material& material) {
-  return std::holds_alternative<Lambert>(material.model) && material.normal_map.texture < 0 &&
-         material.bump.texture < 0 && material.sampling != Sampling::kUniform;
+Kernel kernel_of(const Material& material) {
+  if (material.sampling == Sampling::kUniform) return Kernel::kMixed;
+  return std::visit(
+      Overloaded{
+          [](const Lambert&) { return Kernel::kDiffuse; },
+          [](const CookTorrance&) { return Kernel::kGlossy; }, [](const Phong&) { return Kernel::kPhong; },
+          [](const Mirror&) { return Kernel::kSpecular; },
+          [](const Glass& m) {
+            return m.microfacets.is_correlated_ggx() ? Kernel::kSpecular : Kernel::kMixed;
+          },
+          [&](const ThinDielectric&) {
+            return passes_straight(material) ? Kernel::kMixed : Kernel::kLayered;
+          },
+          [&](const auto&) { return has_vector_form(material.model) ? Kernel::kLayered : Kernel::kMixed; }},
+      material.model);
 }
 
-DiffuseVertices diffuse_vertices(const Scene& scene, const Rays& rays, const Hits& hits) {
-  const Vec3Of<Float8> wo = toward_origins(rays);
-  const SurfacePointOf<Float8> surface = scene.primitives().triangle_surfaces(hits);
-  const ViewedSide<Float8> side(surface, wo);
+DiffuseVertices diffuse_vertices(const SurfaceBatch& batch) {
   std::array<const ColorParameter*, kLaneCount> albedos;
-  unsigned one_sided = 0;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    albedos[lane] = &std::get_if<Lambert>(&batch.materials[lane]->model)->albedo;
+  RgbOf<Float8> albedo = evaluate(albedos, batch.scene.textures(), batch.surface.uv);
+  if (batch.scene.primitives().has_vertex_colors()) albedo = albedo * batch.tints();
+  return {batch, batch.side.shading_normal(batch.outward_normals(), batch.wo), {albedo}};
+}
+
+namespace {
+
+// The shading normals of surfaces with highlights.
+Vec3Of<Float8> glossy_normals(const SurfaceBatch& batch) {
+  const Vec3Of<Float8> seen = batch.side.shading_normal(batch.outward_normals(), batch.wo);
+  return ensure_valid_reflection(seen, batch.side.normal, batch.wo);
+}
+
+}  // namespace
+
+GlossyVertices glossy_vertices(const SurfaceBatch& batch) {
+  return {batch, glossy_normals(batch), glossy_bsdfs(batch)};
+}
+
+PhongVertices phong_vertices(const SurfaceBatch& batch) {
+  std::array<const Phong*, kLaneCount> phongs;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    phongs[lane] = std::get_if<Phong>(&batch.materials[lane]->model);
+  const MaterialPointOf<Float8> at = batch.material_point();
+  const ModelAt<Float8, Phong> model(phongs, at);
+  const RgbOf<Float8> diffuse = model(&Phong::diffuse) * at.tint, specular = model(&Phong::specular);
+  const RgbOf<Float8> scale = normalize_energy(diffuse, specular);
+  return {batch,
+          glossy_normals(batch),
+          {diffuse * scale, specular * scale, clamp_between(model(&Phong::exponent), 0.0f, kMaxExponent),
+           model.holds([](const Phong& m) { return m.lobe == PhongLobe::kNPlus2; })}};
+}
+
+SpecularVertices specular_vertices(const SurfaceBatch& batch) {
+  static const Glass kNoGlass;
+  std::array<const Glass*, kLaneCount> glasses;
+  std::array<const ColorParameter*, kLaneCount> reflectances;
+  unsigned mirrors = 0;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    const Material& material = scene.material_of(*hits[lane]);
-    albedos[lane] = &std::get_if<Lambert>(&material.model)->albedo;
-    one_sided |= (material.two_sided ? 0u : 1u) << lane;
+    const MaterialModel& model = batch.materials[lane]->model;
+    const auto* mirror = std::get_if<Mirror>(&model);
+    glasses[lane] = mirror != nullptr ? &kNoGlass : std::get_if<Glass>(&model);
+    reflectances[lane] = mirror != nullptr ? &mirror->reflectance : &glasses[lane]->reflectance;
+    mirrors |= (mirror != nullptr ? 1u : 0u) << lane;
   }
-  RgbOf<Float8> albedo = evaluate(albedos, scene.textures(), surface.uv);
-  if (scene.primitives().has_vertex_colors()) albedo = albedo * scene.primitives().triangle_colors(hits);
-  if (one_sided != 0) albedo = select(side.outside | !Mask8::from_bits(one_sided), albedo, RgbOf<Float8>{});
-  return {surface, wo, side.normal, side.shading_normal(surface.shading_normal, wo), {{albedo}}};
+  const MaterialPointOf<Float8> at = batch.material_point();
+  const ModelAt<Float8, Glass> glass(glasses, at);
+  const Float8 ior = clamp_between(glass(&Glass::ior), 1.0f, kMaxIor), eta = select(at.outside, ior, 1 / ior);
+  const Float8 alpha = squared_roughness(glass(&Glass::roughness));
+  const RgbOf<Float8> reflectance = evaluate(reflectances, at.textures, at.uv);
+  const RgbOf<Float8> transmittance = glass(&Glass::transmittance);
+  const DielectricFresnelOf<Float8> fresnel{
+      glass.holds([](const Glass& m) { return m.fresnel == DielectricFresnel::kSchlick; }),
+      glass.holds([](const Glass& m) { return m.fresnel == DielectricFresnel::kNone; })};
+  const Mask8 is_mirror = Mask8::from_bits(mirrors);
+  const Mask8 is_smooth = (alpha < kMinAlpha) | (ior - 1 < kMinBending);
+  return {batch,
+          glossy_normals(batch),
+          {is_mirror,
+           !(is_mirror | is_smooth),
+           {reflectance * at.tint},
+           {eta, fresnel, reflectance, transmittance},
+           {GgxOf<Float8>(larger(alpha, Float8(kMinAlpha))), eta, fresnel, reflectance, transmittance}}};
 }
 
-bool is_glossy(const Material& material) {
-  return std::holds_alternative<CookTorrance>(material.model) && material.bump.texture < 0 &&
-         material.sampling != Sampling::kUniform && material.two_sided;
+LayeredVertices layered_vertices(const SurfaceBatch& batch) {
+  ModelPointers models;
+  Vec3Lanes tangents{};
+  const SurfacePoints points(batch.surface);
+  bool anisotropic = false;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    models[lane] = &batch.materials[lane]->model;
+    if (!is_anisotropic(*models[lane])) continue;
+    anisotropic = true;
+    tangents.set(lane, highlight_tangent(batch.scene, *batch.hits[lane], points[lane]));
+  }
+  LayeredVertices vertices(batch, glossy_normals(batch), closures_of(models, batch.material_point()));
+  if (anisotropic) vertices.orient(tangents.all());
+  return vertices;
 }
 
-GlossyVertices glossy_vertices(const Scene& scene, const Rays& rays, const Hits& hits) {
-  const Vec3Of<Float8> wo = toward_origins(rays);
-  const SurfacePointOf<Float8> surface = scene.primitives().triangle_surfaces(hits);
-  const ViewedSide<Float8> side(surface, wo);
-  Materials materials;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) materials[lane] = &scene.material_of(*hits[lane]);
-  const Vec3Of<Float8> outward = outward_normals(scene, materials, hits, surface);
-  const Vec3Of<Float8> seen = side.shading_normal(outward, wo);
-  return {surface,
-          wo,
-          side.normal,
-          ensure_valid_reflection(seen, side.normal, wo),
-          {glossy_bsdfs(scene, materials, hits, surface.uv)}};
-}
-
-MixedVertices mixed_vertices(const Scene& scene, const Rays& rays, const Hits& hits, std::size_t count) {
-  const Vec3Of<Float8> wo = toward_origins(rays);
-  const SurfacePointOf<Float8> surface = surfaces(scene.primitives(), rays, hits);
-  const ViewedSide<Float8> side(surface, wo);
-  Vec3Lanes outward(surface.shading_normal);
-  const FloatLanes u(surface.uv.x), v(surface.uv.y);
+MixedVertices mixed_vertices(const SurfaceBatch& batch, std::size_t count) {
+  const Scene& scene = batch.scene;
+  const SurfacePoints points(batch.surface);
+  const RgbLanes tints(batch.tints());
   MixedBsdfs bsdfs;
   unsigned diffuse = 0, anisotropic = 0;
   Vec3Lanes tangents{};
   for (std::size_t lane = 0; lane < count; ++lane) {
-    const Material& hit_material = scene.material_of(*hits[lane]);
-    const bool is_blend = std::holds_alternative<Blend>(hit_material.model);
-    const Material& material =
-        is_blend ? scatterer_of(scene, *hits[lane], SurfaceLanes(surface)[lane], Vec3Lanes(wo)[lane])
-                 : hit_material;
-    if (material.normal_map.texture >= 0 || material.bump.texture >= 0)
-      outward.set(lane, outward_normal(scene, material, *hits[lane], SurfaceLanes(surface)[lane]));
+    const Material& material = *batch.materials[lane];
+    const SurfacePoint point = points[lane];
     if (std::holds_alternative<Lambert>(material.model)) diffuse |= 1u << lane;
     if (is_anisotropic(material.model)) {
       anisotropic |= 1u << lane;
-      tangents.set(lane, highlight_tangent(scene, *hits[lane], SurfaceLanes(surface)[lane]));
+      tangents.set(lane, highlight_tangent(scene, *batch.hits[lane], point));
     }
-    bsdfs.set(lane,
-              Bsdf(material, scene.textures(), {u[lane], v[lane]}, (side.outside.bits() >> lane & 1) != 0,
-                   scene.primitives().vertex_color(*hits[lane])));
+    bsdfs.set(lane, Bsdf(material, scene.textures(), point.uv, (batch.side.outside.bits() >> lane & 1) != 0,
+                         tints[lane]));
   }
-  const Vec3Of<Float8> seen = side.shading_normal(outward.all(), wo);
+  const Vec3Of<Float8> seen = batch.side.shading_normal(batch.outward_normals(), batch.wo);
   const Vec3Of<Float8> bent =
-      select(Mask8::from_bits(diffuse), seen, ensure_valid_reflection(seen, side.normal, wo));
-  MixedVertices vertices(surface, wo, side.normal, bent, bsdfs);
+      select(Mask8::from_bits(diffuse), seen, ensure_valid_reflection(seen, batch.side.normal, batch.wo));
+  MixedVertices vertices(batch, bent, bsdfs);
   if (anisotropic != 0) vertices.orient(tangents.all());
   return vertices;
 }

@@ -1,43 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eight path vertices at once. Each lane is bit-identical to PathVertex for the same ray and hit.
+// Path vertices in lanes. Each lane is bit-identical to PathVertex for the same ray and hit.
 #pragma once
 
 #include <array>
 #include <optional>
 
+#include "core/integrators/surface_batch.hpp"
 #include "core/integrators/vertex.hpp"
 #include "core/lights/light_sample.hpp"
 #include "core/math/lane_array.hpp"
+#include "core/shading/layered_materials.hpp"
+#include "core/shading/specular.hpp"
 
 namespace tessera::core {
-
-// The samples of eight BSDFs.
-struct BsdfSamples {
-  Mask8 found, delta, transmitted;
-  Vec3Of<Float8> wi_local;
-  RgbOf<Float8> weight;
-  Float8 pdf, eta;
-};
-
-// Diffuse reflection in all lanes.
-struct DiffuseBsdfs : LambertBsdfOf<Float8> {
-  Mask8 is_delta() const { return false; }
-  Mask8 transmits() const { return false; }
-  BsdfSamples sample(Vec3Of<Float8> wo_local, Vec2Of<Float8> u, Float8) const {
-    const Vec3Of<Float8> wi_local = sample_cosine_hemisphere(u);
-    return {wo_local.z > 0, false, false, wi_local, albedo, pdf_cosine_hemisphere(wi_local.z), 1.0f};
-  }
-};
-
-// Microfacet reflection over a diffuse base in all lanes.
-struct GlossyBsdfs : CookTorranceBsdfOf<Float8> {
-  Mask8 is_delta() const { return false; }
-  Mask8 transmits() const { return false; }
-  BsdfSamples sample(Vec3Of<Float8> wo_local, Vec2Of<Float8> u, Float8 u_lobe) const {
-    const auto [found, wi_local, scattered] = find(wo_local, u, u_lobe);
-    return {found, false, false, wi_local, scattered.value / scattered.pdf, scattered.pdf, 1.0f};
-  }
-};
 
 // Any BSDF in each lane, evaluated one by one. Unset lanes scatter nothing.
 class MixedBsdfs {
@@ -51,7 +26,7 @@ class MixedBsdfs {
   void orient(Vec3Of<Float8> tangents_local);
   // Zero if wi is zero, which is not a direction.
   BsdfValueOf<Float8> evaluate(Vec3Of<Float8> wo_local, Vec3Of<Float8> wi_local, Float8 diffuse_cos) const;
-  BsdfSamples sample(Vec3Of<Float8> wo_local, Vec2Of<Float8> u, Float8 u_lobe) const;
+  BsdfSampleOf<Float8> sample(Vec3Of<Float8> wo_local, Vec2Of<Float8> u, Float8 u_lobe) const;
 
  private:
   std::array<std::optional<Bsdf>, kLaneCount> bsdfs_;
@@ -61,16 +36,25 @@ class MixedBsdfs {
 template <typename Bsdfs>
 class VertexBatch : public VertexOf<Float8, Bsdfs> {
  public:
-  using VertexOf<Float8, Bsdfs>::VertexOf;
+  // `shading_normal` is on the side of the viewer.
+  VertexBatch(const SurfaceBatch& batch, Vec3Of<Float8> shading_normal, const Bsdfs& bsdfs)
+      : VertexOf<Float8, Bsdfs>(batch.surface, batch.wo, batch.side.normal, shading_normal, bsdfs),
+        black_(batch.black_backs()) {}
 
-  Mask8 is_delta() const { return this->bsdf_.is_delta(); }
+  Mask8 is_delta() const { return this->bsdf_.is_delta() & !black_; }
   // LightSampleContext::normal of each lane.
   Vec3Of<Float8> light_normal() const {
     return select(this->bsdf_.transmits(), Vec3Of<Float8>{}, this->frame_.normal);
   }
 
-  // Turns anisotropic BSDFs to tangents in world space; zero for others.
+  // Turns anisotropic BSDFs to tangents in world space; lanes with a tangent of zero stay.
   void orient(Vec3Of<Float8> tangents) { this->bsdf_.orient(this->frame_.to_local(tangents)); }
+
+  BsdfValueOf<Float8> evaluate(Vec3Of<Float8> wi) const {
+    const BsdfValueOf<Float8> value = VertexOf<Float8, Bsdfs>::evaluate(wi);
+    if (!any(black_)) return value;
+    return {select(black_, RgbOf<Float8>{}, value.value), select(black_, Float8(0.0f), value.pdf)};
+  }
 
   // Shadow rays towards the light samples.
   RayOf<Float8> rays_toward(const LightSamples& lights) const {
@@ -90,7 +74,8 @@ class VertexBatch : public VertexOf<Float8, Bsdfs> {
     Float8 pdf, eta;
   };
   Scattered sample(Vec2Of<Float8> u, Float8 u_lobe) const {
-    const BsdfSamples local = this->bsdf_.sample(this->wo_local_, u, u_lobe);
+    BsdfSampleOf<Float8> local = this->bsdf_.sample(this->wo_local_, u, u_lobe);
+    if (any(black_)) local.found = local.found & !black_;
     const auto folded = this->fold(local.wi_local);
     const auto& [value, pdf] = folded.scattered;
     const Vec3Of<Float8> wi = normalize(this->frame_.to_world(folded.wi_local));
@@ -109,23 +94,37 @@ class VertexBatch : public VertexOf<Float8, Bsdfs> {
     next.weight = select(local.delta, local.weight, next.weight);
     return next;
   }
+
+ private:
+  Mask8 black_;  // lanes that scatter nothing
 };
 
-// Triangles whose material is_diffuse.
-using DiffuseVertices = VertexBatch<DiffuseBsdfs>;
-bool is_diffuse(const Material& material);
-DiffuseVertices diffuse_vertices(const Scene& scene, const std::array<const Ray*, kLaneCount>& rays,
-                                 const std::array<const Hit*, kLaneCount>& hits);
+// The kernels: BSDFs of these materials have a vector form. A batch must hold materials of one kernel only,
+// and layered ones of one model.
+enum class Kernel { kDiffuse, kGlossy, kPhong, kSpecular, kLayered, kMixed };
+Kernel kernel_of(const Material& material);
 
-// Triangles whose material is_glossy.
-using GlossyVertices = VertexBatch<GlossyBsdfs>;
-bool is_glossy(const Material& material);
-GlossyVertices glossy_vertices(const Scene& scene, const std::array<const Ray*, kLaneCount>& rays,
-                               const std::array<const Hit*, kLaneCount>& hits);
+// Lambert's.
+using DiffuseVertices = VertexBatch<LambertBsdfOf<Float8>>;
+DiffuseVertices diffuse_vertices(const SurfaceBatch& batch);
 
-// Any surfaces. Only the first `count` lanes scatter.
+// CookTorrance's.
+using GlossyVertices = VertexBatch<CookTorranceBsdfOf<Float8>>;
+GlossyVertices glossy_vertices(const SurfaceBatch& batch);
+
+using PhongVertices = VertexBatch<PhongBsdfOf<Float8>>;
+PhongVertices phong_vertices(const SurfaceBatch& batch);
+
+// Mirrors' and glasses'.
+using SpecularVertices = VertexBatch<SpecularBsdfOf<Float8>>;
+SpecularVertices specular_vertices(const SurfaceBatch& batch);
+
+// Those of layered_materials.hpp.
+using LayeredVertices = VertexBatch<ClosureOf<Float8>>;
+LayeredVertices layered_vertices(const SurfaceBatch& batch);
+
+// Of all materials, one by one: for those without a vector form. Only the first `count` lanes scatter.
 using MixedVertices = VertexBatch<MixedBsdfs>;
-MixedVertices mixed_vertices(const Scene& scene, const std::array<const Ray*, kLaneCount>& rays,
-                             const std::array<const Hit*, kLaneCount>& hits, std::size_t count);
+MixedVertices mixed_vertices(const SurfaceBatch& batch, std::size_t count);
 
 }  // namespace tessera::core

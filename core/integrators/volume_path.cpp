@@ -2,6 +2,7 @@
 #include "core/integrators/volume_path.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "core/integrators/direct_light.hpp"
@@ -26,9 +27,12 @@ constexpr std::uint64_t shadow_stream(int depth) {
 // A scattering point in a medium, with the part of PathVertex's interface that both share.
 class MediumVertex {
  public:
-  MediumVertex(const Medium& medium, Vec3 position, Vec3 wo) : g_(medium.g()), position_(position), wo_(wo) {}
+  // On a ray of the given time.
+  MediumVertex(const Medium& medium, Vec3 position, Vec3 wo, float time)
+      : g_(medium.g()), time_(time), position_(position), wo_(wo) {}
 
   bool is_delta() const { return false; }
+  float time() const { return time_; }
   LightSampleContext light_context() const { return {position_, {}}; }
   // The phase function, and the density with which sample() generates `wi`: they are equal.
   BsdfValue evaluate(Vec3 wi) const {
@@ -39,14 +43,14 @@ class MediumVertex {
     const Vec3 wi = sample_henyey_greenstein(g_, -wo_, u);
     return PathVertex::Scattered{wi, Rgb::gray(1), evaluate(wi).pdf, false, 1};
   }
-  Ray ray_along(Vec3 wi) const { return {position_, wi}; }
+  Ray ray_along(Vec3 wi) const { return {position_, wi, std::numeric_limits<float>::infinity(), time_}; }
   Ray ray_toward(const LightSample& light) const {
     if (!light.point) return ray_along(light.wi);
-    return {position_, offset_origin(*light.point, position_ - light.point->position) - position_, 1};
+    return {position_, offset_origin(*light.point, position_ - light.point->position) - position_, 1, time_};
   }
 
  private:
-  float g_;
+  float g_, time_;
   Vec3 position_, wo_;
 };
 
@@ -59,21 +63,25 @@ int medium_beyond(const MediumInterface& media, const SurfacePoint& surface, Vec
 class VolumePath {
  public:
   VolumePath(const Scene& scene, const RenderSettings& settings, const Sampler& sampler,
-             RenderCounters& counters)
+             RenderCounters& counters, LightParts* parts)
       : scene_(scene),
         settings_(settings),
         light_sampler_(settings.integrator == Integrator::kNaive ? scene.delta_light_sampler()
                                                                  : scene.light_sampler()),
+        compensation_(mis_compensation(settings.integrator)),
         sampler_(sampler),
         counters_(counters),
+        parts_(parts),
         hero_(std::min(2, static_cast<int>(3 * sampler.pad(medium_pad(0))[2]))),
         medium_(scene.camera_medium()) {}
 
   Rgb trace(const Ray& ray) {
     ray_ = ray;
     while (step()) ++depth_;
-    return settings_.clamp_indirect > 0 ? radiance_ + clamped(indirect_, settings_.clamp_indirect)
-                                        : radiance_;
+    if (!(settings_.clamp_indirect > 0)) return radiance_;
+    const Rgb indirect = clamped(indirect_, settings_.clamp_indirect);
+    if (parts_ != nullptr) parts_->indirect = indirect;
+    return radiance_ + indirect;
   }
 
  private:
@@ -83,7 +91,7 @@ class VolumePath {
   bool shade_surface(const Hit& hit);
   void add_environment();
   void add_emission(const PathVertex& vertex, std::uint32_t light);
-  void add_light(Rgb radiance, std::uint32_t light, float pdf);
+  void add_light(Rgb radiance, std::uint32_t light, float pdf, LightParts::Source source);
   template <typename Vertex, typename MediumToward>
   bool scatter(const Vertex& vertex, const MediumToward& medium_toward);
   template <typename Vertex, typename MediumToward>
@@ -92,16 +100,19 @@ class VolumePath {
   void attenuate(const Ray& ray, float t_max, int medium, NumberStream& numbers,
                  SpectralWeights& weights) const;
 
-  void add(Rgb radiance, int scatterings) {
+  void add(Rgb radiance, int scatterings, LightParts::Source source = LightParts::Source::kEmission) {
     (settings_.clamp_indirect > 0 && scatterings > 1 ? indirect_ : radiance_) += radiance;
+    if (parts_ != nullptr) parts_->add(radiance, scatterings, source);
   }
 
   const Scene& scene_;
   const RenderSettings& settings_;
   const LightSampler& light_sampler_;
+  const MisCompensation compensation_;
   const Sampler& sampler_;
   RenderCounters& counters_;
-  const int hero_;  // the channel that samples distances
+  LightParts* const parts_;  // may be null
+  const int hero_;           // the channel that samples distances
 
   Ray ray_;
   int medium_;  // at the ray's origin
@@ -123,20 +134,21 @@ bool VolumePath::step() {
     if (!collides(hit.found() ? hit.t : ray_.t_max, numbers, collision)) return false;
     if (collision) {
       const Medium& medium = scene_.media()[static_cast<std::size_t>(medium_)];
-      const MediumVertex vertex(medium, ray_.origin + ray_.direction * *collision,
-                                normalize(-ray_.direction));
+      const MediumVertex vertex(medium, ray_.origin + ray_.direction * *collision, normalize(-ray_.direction),
+                                ray_.time);
       return scatter(vertex, [this](Vec3) { return medium_; });
     }
     if (!hit.found()) {
       add_environment();
       return false;
     }
-    const auto [surface, opacity] = crossing_at(scene_, ray_, hit, crossing);
-    if (opacity >= 1 ||
-        (opacity > 0 && sampler_.opacity_number(static_cast<std::uint64_t>(depth_), crossing) < opacity))
+    const Crossing met = crossing_at(scene_, ray_, hit, crossing);
+    if (met.hit >= 1 ||
+        (met.hit > 0 && sampler_.opacity_number(static_cast<std::uint64_t>(depth_), crossing) < met.hit))
       return shade_surface(hit);
-    medium_ = medium_beyond(scene_.material_of(hit).media, surface, ray_.direction, medium_);
-    ray_ = {offset_origin(surface, ray_.direction), ray_.direction, ray_.t_max};
+    weights_.throughput *= met.tint();
+    medium_ = medium_beyond(scene_.material_of(hit).media, met.surface, ray_.direction, medium_);
+    ray_ = {offset_origin(met.surface, ray_.direction), ray_.direction, ray_.t_max, ray_.time};
   }
 }
 
@@ -158,30 +170,34 @@ bool VolumePath::shade_surface(const Hit& hit) {
 }
 
 void VolumePath::add_environment() {
+  if (parts_ != nullptr && depth_ == 0) parts_->escaped = true;
   const std::uint32_t light = scene_.environment_light();
   if (light == kNoLight) return;
   const Environment& environment = scene_.environment();
   if (depth_ == 0 && !environment.visible_to_camera()) return;
   add_light(environment.radiance(ray_.direction), light,
-            delta_ ? 0 : environment.pdf(last_.normal, ray_.direction));
+            delta_ ? 0 : environment.pdf(last_.normal, ray_.direction, compensation_),
+            LightParts::Source::kEnvironment);
 }
 
 void VolumePath::add_emission(const PathVertex& vertex, std::uint32_t light) {
-  const AreaLight& area = scene_.area_light(light);
-  add_light(area.emitted(scene_.textures(), vertex.surface(), vertex.wo()), light,
-            delta_ ? 0 : area.pdf(last_.position, vertex.position()));
+  scene_.with_area_light(light, vertex.time(), [&](const AreaLight& area) {
+    add_light(area.emitted(scene_.textures(), vertex.surface(), vertex.wo()), light,
+              delta_ ? 0 : area.pdf(last_.position, vertex.position()), LightParts::Source::kEmission);
+  });
 }
 
 // Adds a light's radiance that the ray itself has found. `pdf` is the density with which the last vertex
 // samples the ray's direction, given the light.
-void VolumePath::add_light(Rgb radiance, std::uint32_t light, float pdf) {
+void VolumePath::add_light(Rgb radiance, std::uint32_t light, float pdf, LightParts::Source source) {
   const float density = mean(weights_.unidirectional);
   float weight = 1;
   if (!delta_ && settings_.integrator == Integrator::kNee) return;
-  if (!delta_ && settings_.integrator == Integrator::kMis)
-    weight = mis_weight(settings_.heuristic, density,
-                        mean(weights_.light) * (scene_.light_sampler().pmf(last_, light) * pdf));
-  add(weights_.throughput * radiance * (weight / density), depth_);
+  if (!delta_ && settings_.integrator == Integrator::kMis) {
+    const float pmf = scene_.light_sampler().pmf(last_, light, compensation_);
+    weight = mis_weight(settings_.heuristic, density, mean(weights_.light) * (pmf * pdf));
+  }
+  add(weights_.throughput * radiance * (weight / density), depth_, source);
 }
 
 // Samples a light and a direction to continue in. medium_toward(wi) is the medium in a direction.
@@ -209,9 +225,11 @@ template <typename Vertex, typename MediumToward>
 void VolumePath::connect_to_light(const Vertex& vertex, const MediumToward& medium_toward) {
   const auto u = sampler_.pad(light_pad(depth_));
   const LightSampleContext context = vertex.light_context();
-  const LightSampler::Choice choice = light_sampler_.sample(context, combine_uniforms(u[2], u[3]));
+  const LightSampler::Choice choice =
+      light_sampler_.sample(context, combine_uniforms(u[2], u[3]), compensation_);
   if (choice.light == kNoLight) return;
-  const auto light = sample_light(scene_.lights()[choice.light], scene_.textures(), context, {u[0], u[1]});
+  const auto light = sample_light(scene_.lights()[choice.light], scene_.textures(), context, {u[0], u[1]},
+                                  compensation_, vertex.time());
   if (!light) return;
   const BsdfValue scattered = vertex.evaluate(light->wi);
   if (is_black(scattered.value)) return;
@@ -243,7 +261,7 @@ SpectralWeights VolumePath::visibility(const Ray& ray, int medium) {
     Crossing met{};
     if (hit.found()) {
       met = crossing_at(scene_, rest, hit, crossing);
-      weights.throughput *= 1 - met.opacity;
+      weights.throughput *= met.transmittance;
       if (is_black(weights.throughput)) return weights;
     }
     attenuate(rest, hit.found() ? hit.t : rest.t_max, medium, numbers, weights);
@@ -265,8 +283,8 @@ void VolumePath::attenuate(const Ray& ray, float t_max, int medium, NumberStream
 }  // namespace
 
 Rgb trace_volume_path(const Scene& scene, const RenderSettings& settings, const Sampler& sampler,
-                      const Ray& ray, RenderCounters& counters) {
-  return VolumePath(scene, settings, sampler, counters).trace(ray);
+                      const Ray& ray, RenderCounters& counters, LightParts* parts) {
+  return VolumePath(scene, settings, sampler, counters, parts).trace(ray);
 }
 
 }  // namespace tessera::core

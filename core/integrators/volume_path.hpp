@@ -5,13 +5,15 @@
 #pragma once
 
 #include "core/film/film.hpp"
+#include "core/integrators/light_parts.hpp"
 #include "core/sampling/sampler.hpp"
 #include "core/scene/scene.hpp"
 
 namespace tessera::core {
 
-// Unbiased with every strategy, as PathTracer. Counts rays in `counters`.
+// Unbiased with every strategy, as PathTracer. Counts rays in `counters`. Adds the light's parts to
+// `parts`, if that is not null.
 Rgb trace_volume_path(const Scene& scene, const RenderSettings& settings, const Sampler& sampler,
-                      const Ray& ray, RenderCounters& counters);
+                      const Ray& ray, RenderCounters& counters, LightParts* parts = nullptr);
 
 }  // namespace tessera::core

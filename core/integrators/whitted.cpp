@@ -26,10 +26,11 @@ struct Branch {
 class TreeTracer {
  public:
   TreeTracer(const Scene& scene, const RenderSettings& settings, const Sampler& sampler,
-             RenderCounters& counters)
+             RenderCounters& counters, LightParts* parts)
       : scene_(scene),
         sampler_(sampler),
         counters_(counters),
+        parts_(parts),
         max_depth_(settings.max_depth > 0 ? settings.max_depth : kWhittedDepth) {}
 
   Rgb trace(const Ray& ray) {
@@ -43,7 +44,8 @@ class TreeTracer {
   // textures reflect more than they receive, it can be as deep as the tree.
   void follow(Branch branch) {
     while (rays_ < kMaxWhittedRays) {
-      const auto [ray, hit, traced] = meet_by_chance(scene_, branch.ray, sampler_, branch.node);
+      const auto [ray, hit, traced, tint] = meet_by_chance(scene_, branch.ray, sampler_, branch.node);
+      branch.weight *= tint;
       counters_.closest_hit_rays += traced;
       rays_ += static_cast<int>(traced);
       if (!hit.found()) return add_environment(branch);
@@ -77,16 +79,25 @@ class TreeTracer {
     return children;
   }
 
+  void add(Rgb radiance, int scatterings, LightParts::Source source = LightParts::Source::kEmission) {
+    radiance_ += radiance;
+    if (parts_ != nullptr) parts_->add(radiance, scatterings, source);
+  }
+
   void add_environment(const Branch& branch) {
+    if (parts_ != nullptr && branch.depth == 0) parts_->escaped = true;
     if (scene_.environment_light() == kNoLight) return;
     if (branch.depth == 0 && !scene_.environment().visible_to_camera()) return;
-    radiance_ += branch.weight * scene_.environment().radiance(branch.ray.direction);
+    add(branch.weight * scene_.environment().radiance(branch.ray.direction), branch.depth,
+        LightParts::Source::kEnvironment);
   }
 
   void add_emission(const Branch& branch, const PathVertex& vertex, std::uint32_t light) {
     if (light == kNoLight) return;
-    radiance_ +=
-        branch.weight * scene_.area_light(light).emitted(scene_.textures(), vertex.surface(), vertex.wo());
+    const Rgb emitted = scene_.with_area_light(light, vertex.time(), [&](const AreaLight& area) {
+      return area.emitted(scene_.textures(), vertex.surface(), vertex.wo());
+    });
+    add(branch.weight * emitted, branch.depth);
   }
 
   void add_direct_light(const Branch& branch, const PathVertex& vertex) {
@@ -110,16 +121,17 @@ class TreeTracer {
 
   // `choice.pmf` is the expected number of samples of the light.
   void add_light(const Branch& branch, const PathVertex& vertex, LightSampler::Choice choice, Vec2 u) {
-    const auto light =
-        sample_light(scene_.lights()[choice.light], scene_.textures(), vertex.light_context(), u);
+    const auto light = sample_light(scene_.lights()[choice.light], scene_.textures(), vertex.light_context(),
+                                    u, MisCompensation::kOff, vertex.time());
     if (!light) return;
     const Rgb reflected = reflected_light(scene_, vertex, *light, counters_);
-    radiance_ += branch.weight * reflected / (light->pdf * choice.pmf);
+    add(branch.weight * reflected / (light->pdf * choice.pmf), branch.depth + 1);
   }
 
   const Scene& scene_;
   const Sampler& sampler_;
   RenderCounters& counters_;
+  LightParts* parts_;
   int max_depth_;
   int rays_ = 0;
   Rgb radiance_{};
@@ -128,8 +140,8 @@ class TreeTracer {
 }  // namespace
 
 Rgb trace_whitted(const Scene& scene, const RenderSettings& settings, const Sampler& sampler, const Ray& ray,
-                  RenderCounters& counters) {
-  return TreeTracer(scene, settings, sampler, counters).trace(ray);
+                  RenderCounters& counters, LightParts* parts) {
+  return TreeTracer(scene, settings, sampler, counters, parts).trace(ray);
 }
 
 }  // namespace tessera::core

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "core/film/film.hpp"
+#include "core/integrators/light_parts.hpp"
 #include "core/sampling/sampler.hpp"
 #include "core/scene/scene.hpp"
 
@@ -17,8 +18,8 @@ inline constexpr float kMinWhittedShare = 1.0f / 4096;
 // The maximum number of rays, apart from shadow rays: more than a tree of 15 consecutive forks can have.
 inline constexpr int kMaxWhittedRays = 1 << 16;
 
-// Counts rays in `counters`.
+// Counts rays in `counters`. Adds the light's parts to `parts`, if that is not null.
 Rgb trace_whitted(const Scene& scene, const RenderSettings& settings, const Sampler& sampler, const Ray& ray,
-                  RenderCounters& counters);
+                  RenderCounters& counters, LightParts* parts = nullptr);
 
 }  // namespace tessera::core

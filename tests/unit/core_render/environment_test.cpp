@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/lights/normal_bins.hpp"
+#include "core/math/frame.hpp"
 #include "core/sampling/sampler.hpp"
 #include "core/sampling/warp.hpp"
 #include "tests/support/chi_square.hpp"
@@ -45,6 +46,7 @@ struct LitCase {
 
 class EnvironmentSampling : public testing::TestWithParam<std::tuple<EnvironmentCase, LitCase>> {
  protected:
+  void expect_samples_match_density(MisCompensation compensation, int least_cells) const;
   const EnvironmentCase& surroundings() const { return std::get<0>(GetParam()); }
   // What light from a direction counts for.
   double cosine(Vec3 direction) const {
@@ -58,7 +60,7 @@ class EnvironmentSampling : public testing::TestWithParam<std::tuple<Environment
 // Pearson's test with the picture's texels for cells, or parts of them, on each quarter of which the density
 // is even, or bilinear but for a cosine of the latitude that it is divided by. Samples of black directions
 // are not answered; light begins and ends half way between texels' edges.
-TEST_P(EnvironmentSampling, SamplesMatchTheDensity) {
+void EnvironmentSampling::expect_samples_match_density(MisCompensation compensation, int least_cells) const {
   constexpr int kSamples = 200000;
   const auto at_least = [](int texels, int least) { return texels * ((least + texels - 1) / texels); };
   const Picture& image = surroundings().image;
@@ -68,7 +70,7 @@ TEST_P(EnvironmentSampling, SamplesMatchTheDensity) {
   std::vector<double> observed(static_cast<std::size_t>(width * height)), expected(observed.size());
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(3, i % 1000, i / 1000, 0).pad(0);
-    const auto s = environment_.sample(normal_, {u[0], u[1]});
+    const auto s = environment_.sample(normal_, {u[0], u[1]}, compensation);
     if (!s) continue;
     const double turn = (std::atan2(static_cast<double>(s->wi.x), static_cast<double>(-s->wi.z)) + rotation) /
                         (2 * std::numbers::pi);
@@ -88,9 +90,17 @@ TEST_P(EnvironmentSampling, SamplesMatchTheDensity) {
       if (is_black(environment_.radiance(w))) continue;
       const double solid_angle = 2 * std::numbers::pi / (2 * width) * (std::cos(above) - std::cos(below));
       expected[static_cast<std::size_t>(y / 2 * width + x / 2)] +=
-          static_cast<double>(environment_.pdf(normal_, w)) * solid_angle * kSamples;
+          static_cast<double>(environment_.pdf(normal_, w, compensation)) * solid_angle * kSamples;
     }
-  test::expect_chi_square(observed, expected, surroundings().least_cells);
+  test::expect_chi_square(observed, expected, least_cells);
+}
+
+TEST_P(EnvironmentSampling, SamplesMatchTheDensity) {
+  expect_samples_match_density(MisCompensation::kOff, surroundings().least_cells);
+}
+
+TEST_P(EnvironmentSampling, CompensatedSamplesMatchTheDensity) {
+  expect_samples_match_density(MisCompensation::kOn, 4);
 }
 
 // All but the few samples that rounding puts across the edge of a cell, and those right beside a pole, of
@@ -99,16 +109,18 @@ TEST_P(EnvironmentSampling, SampleAndPdfAgree) {
   constexpr int kSamples = 50000;
   int differing = 0;
   for (int i = 0; i < kSamples; ++i) {
+    const auto compensation = i % 2 == 0 ? MisCompensation::kOff : MisCompensation::kOn;
     const auto u = Sampler(4, i, 0, 0).pad(0);
-    const auto s = environment_.sample(normal_, {u[0], u[1]});
+    const auto s = environment_.sample(normal_, {u[0], u[1]}, compensation);
     if (!s) continue;
     const auto pdf = static_cast<double>(s->pdf);
-    differing += std::fabs(static_cast<double>(environment_.pdf(normal_, s->wi)) - pdf) > 1e-4 * pdf ? 1 : 0;
+    const auto of_wi = static_cast<double>(environment_.pdf(normal_, s->wi, compensation));
+    differing += std::fabs(of_wi - pdf) > 1e-4 * pdf ? 1 : 0;
     ASSERT_EQ(s->radiance, environment_.radiance(s->wi)) << "of a unit direction, as rays look it up";
     ASSERT_FALSE(s->point);
     ASSERT_FALSE(s->delta);
   }
-  EXPECT_LE(differing, kSamples / 500);
+  EXPECT_LE(differing, kSamples / 250);
 }
 
 TEST_P(EnvironmentSampling, DensityIsThereWhereverThereIsLight) {
@@ -120,15 +132,31 @@ TEST_P(EnvironmentSampling, DensityIsThereWhereverThereIsLight) {
   }
 }
 
-// The integral of radiance times the cosine, once by sampling, once by the midpoint rule, and about what the
-// power says.
+// The integral of radiance times the cosine: by light samples, by compensated ones combined with those of a
+// diffuse surface, by the midpoint rule; and about what the power says.
 TEST_P(EnvironmentSampling, FindsTheLightThatThereIs) {
   constexpr int kSamples = 100000, kRows = 1000, kColumns = 1000;
-  double sampled = 0, looked = 0, over_sphere = 0;
+  double sampled = 0, combined = 0, looked = 0, over_sphere = 0;
+  const auto scattered = [&](Vec2 u) {
+    return normal_ == Vec3{} ? sample_sphere(u)
+                             : Frame::around(normal_).to_world(sample_cosine_hemisphere(u));
+  };
+  const auto scattered_pdf = [&](Vec3 wi) {
+    return normal_ == Vec3{} ? 1 / (4 * std::numbers::pi) : cosine(wi) / std::numbers::pi;
+  };
+  const auto weighed = [&](Vec3 wi) {
+    const double light_pdf = static_cast<double>(environment_.pdf(normal_, wi, MisCompensation::kOn));
+    return static_cast<double>(environment_.radiance(wi).g) * cosine(wi) / (light_pdf + scattered_pdf(wi));
+  };
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(7, i % 1000, i / 1000, 0).pad(0);
     if (const auto s = environment_.sample(normal_, {u[0], u[1]}))
       sampled += static_cast<double>(s->radiance.g / s->pdf) * cosine(s->wi) / kSamples;
+    if (const auto s = environment_.sample(normal_, {u[0], u[1]}, MisCompensation::kOn);
+        s && scattered_pdf(s->wi) > 0)
+      combined += weighed(s->wi) / kSamples;
+    const Vec3 wi = scattered({u[2], u[3]});
+    if (scattered_pdf(wi) > 0) combined += weighed(wi) / kSamples;
   }
   for (int row = 0; row < kRows; ++row)
     for (int column = 0; column < kColumns; ++column) {
@@ -142,6 +170,7 @@ TEST_P(EnvironmentSampling, FindsTheLightThatThereIs) {
       over_sphere += light;
     }
   EXPECT_NEAR(sampled, looked, 0.01 * looked + 1e-4 * over_sphere);
+  EXPECT_NEAR(combined, looked, 0.01 * looked + 1e-4 * over_sphere);
   EXPECT_NEAR(environment_.power(1) / std::numbers::pi, over_sphere, 0.1 * over_sphere);
 }
 
@@ -311,7 +340,9 @@ TEST(EnvironmentSampling, FindsASunJustOverTheHorizon) {
           cosine * static_cast<double>(environment.radiance(sun).g / environment.pdf(normal, sun));
       const double all = environment.power(1) / std::numbers::pi;
       EXPECT_LT(counts, (aside == 0 ? 1 : 4) * std::max(2.5 * cosine, 0.75) * all) << i;
-      EXPECT_GT(environment.importance_by_normal()[normal_bin(normal)], 0) << i;
+      const auto [uncompensated, total, excess] = environment.importance_by_normal()[normal_bin(normal)];
+      EXPECT_GT(uncompensated, 0) << i;
+      EXPECT_GT(excess, 0.9 * total) << i;
     }
   }
 }
@@ -338,11 +369,10 @@ TEST(EnvironmentSampling, BlackSurroundingsHaveNoPower) {
   EXPECT_EQ(Environment(Rgb::gray(1), picture(7, 3, [](int, int) { return 0.0f; }), 0).power(1), 0);
 }
 
-// A sun counts in full where it is seen, the sky a quarter: its light is found by rays that are scattered,
-// too.
+// A sun counts in full where it is seen, the sky a quarter.
 TEST(EnvironmentSampling, SeeksTheSunMoreThanTheSky) {
   const auto sought = [](const Picture& sky, Vec3 normal) {
-    return Environment(Rgb::gray(1), sky, 0).importance_by_normal()[normal_bin(normal)];
+    return Environment(Rgb::gray(1), sky, 0).importance_by_normal()[normal_bin(normal)].uncompensated;
   };
   const auto even = picture(64, 32, [](int, int) { return 1.0f; });
   const auto sun = picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1e5f : 0.0f; });
@@ -353,6 +383,46 @@ TEST(EnvironmentSampling, SeeksTheSunMoreThanTheSky) {
   EXPECT_NEAR(sought(sun, {0, 1, 0}), 1e5 * solid_angle * std::cos(theta), 0.1 * 1e5 * solid_angle);
   EXPECT_LT(sought(sun, {0, -1, 0}), 0.03 * sought(sun, {0, 1, 0}));
   EXPECT_GT(sought(sun, {0, -1, 0}), 0);
+}
+
+// Of an even sky nothing exceeds the mean, of a sun all. A gradient from 1 to 3 exceeds its mean, as a
+// surface that faces all sides receives it, by half a unit on one half of the sphere.
+TEST(EnvironmentSampling, KnowsWhatExceedsTheMean) {
+  const auto importance = [](const Picture& sky, Vec3 normal) {
+    return Environment(Rgb::gray(1), sky, 0).importance_by_normal()[normal_bin(normal)];
+  };
+  const auto even = picture(64, 32, [](int, int) { return 1.0f; });
+  const auto sun = picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1e6f : 1.0f; });
+  const auto halves = picture(64, 32, [](int x, int) { return x < 32 ? 1.0f : 3.0f; });
+  for (const Vec3 normal : {Vec3{0, 1, 0}, Vec3{1, 0, 0}, Vec3{}}) {
+    EXPECT_NEAR(importance(even, normal).total, std::numbers::pi, 0.02);
+    EXPECT_NEAR(importance(even, normal).excess, 0, 1e-9);
+  }
+  EXPECT_GT(importance(sun, {0, 1, 0}).excess, 0.97 * importance(sun, {0, 1, 0}).total);
+  EXPECT_NEAR(importance(halves, {}).total, 2 * std::numbers::pi, 0.02);
+  EXPECT_NEAR(importance(halves, {}).excess, std::numbers::pi / 2, 0.05);
+}
+
+// Beside the samples of a diffuse surface, of a sky with a bright sun only the sun is sampled, and an even
+// sky as without them.
+TEST(EnvironmentSampling, LeavesToBsdfSamplesWhatTheyFind) {
+  const auto even = picture(64, 32, [](int, int) { return 1.0f; });
+  const auto sun = picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1e5f : 1.0f; });
+  const Environment even_sky(Rgb::gray(1), even, 0), sunny(Rgb::gray(1), sun, 0);
+  const Vec3 up{0, 1, 0};
+  for (int i = 0; i < 1000; ++i) {
+    const auto u = Sampler(15, i, 0, 0).pad(0);
+    const Vec3 wi = sample_sphere({u[0], u[1]});
+    EXPECT_NEAR(even_sky.pdf(up, wi, MisCompensation::kOn), even_sky.pdf(up, wi, MisCompensation::kOff),
+                1e-3f);
+    if (wi.y < 0.35f) {
+      EXPECT_EQ(sunny.pdf(up, wi, MisCompensation::kOn), 0);
+      EXPECT_GT(sunny.pdf(up, wi, MisCompensation::kOff), 0);
+    }
+    const auto s = sunny.sample(up, Vec2{u[2], u[3]}, MisCompensation::kOn);
+    ASSERT_TRUE(s);
+    EXPECT_GT(s->wi.y, 0.35f);
+  }
 }
 
 TEST(EnvironmentPicture, LiesAsItIsSeenFromInside) {

@@ -100,6 +100,74 @@ TEST(Frames, AreThoseOfAStillSceneInAnyOrder) {
   }
 }
 
+// A room whose surfaces, sky and fog change.
+SceneDescription changing_room() {
+  SceneDescription room = test::room();
+  room.materials[1].model = Principled{.base_weight = 0.9f, .transmission_depth = 2};
+  room.media = {{.name = "fog", .sigma_a = Rgb::gray(0.1f)}};
+  room.materials[4].media.interior = 0;
+  room.environment = EnvironmentDescription{ColorParameter{Rgb{}}, 10};
+  Animation& a = room.animation;
+  a.materials = {{0, {{{"opacity", {{0, 10}, {1, 0.5f}}}}, {{"albedo", {{0, 10}, {{1, 0, 0}, {0, 1, 0}}}}}}},
+                 {1, {{{"transmission_weight", {{0, 10}, {0, 1}}}}, {}}},
+                 {3, {{}, {{"emission", {{0, 10}, {{0, 0, 0}, {3, 3, 3}}}}}}}};
+  a.media = {{0, {{{"scale", {{0, 10}, {1, 3}}}}, {}}}};
+  a.environment = {{{"rotation_degrees", {{0, 10}, {10, 90}}}},
+                   {{"radiance", {{0, 10}, {{0, 0, 0}, {0, 1, 2}}}}}};
+  room.materials[0].model = Lambert{{{1, 0, 0}, -1}};
+  room.materials[3].emission = ColorParameter{Rgb{}};
+  return room;
+}
+
+// What changing_room() is at a frame, by hand.
+SceneDescription changed_room(int frame) {
+  SceneDescription room = changing_room();
+  const float t = static_cast<float>(frame) / 10;
+  room.animation = {};
+  room.materials[0].opacity = 1 - 0.5f * t;
+  room.materials[0].model = Lambert{{{1 - t, t, 0}, -1}};
+  std::get<Principled>(room.materials[1].model).transmission_weight = t;
+  room.materials[3].emission = ColorParameter{Rgb{3 * t, 3 * t, 3 * t}};
+  room.media[0].scale = 1 + 2 * t;
+  room.environment->rotation_degrees = 10 + 80 * t;
+  room.environment->radiance = ColorParameter{Rgb{0, t, 2 * t}};
+  return room;
+}
+
+TEST(Frames, HaveTheMaterialsMediaAndEnvironmentOfTheirTime) {
+  Scene scene = Scene::build(changing_room(), 1).value();
+  for (const int frame : {5, 0, 10, 5}) {
+    ASSERT_TRUE(scene.set_frame(frame, 1));
+    const Scene still = Scene::build(changed_room(frame), 1).value();
+    EXPECT_TRUE(sums(scene) == sums(still)) << "frame " << frame;
+    EXPECT_EQ(scene.lights().size(), still.lights().size()) << "frame " << frame;
+    EXPECT_EQ(scene.media().size(), still.media().size()) << "frame " << frame;
+    EXPECT_EQ(scene.is_opaque(), still.is_opaque()) << "frame " << frame;
+  }
+}
+
+TEST(Frames, OfParametersOutOfRangeAreRefusedByTheBuild) {
+  const auto refusal = [](const auto& change) {
+    SceneDescription room = changing_room();
+    change(room.animation);
+    const Result<Scene> built = Scene::build(room, 1);
+    return built ? std::string() : built.error().message;
+  };
+  EXPECT_EQ(refusal([](Animation&) {}), "");
+  EXPECT_THAT(refusal([](Animation& a) { a.materials[0].tracks.numbers[0].track.values[1] = 2; }),
+              HasSubstr("opacity must be between 0 and 1"));
+  EXPECT_THAT(refusal([](Animation& a) { a.materials[2].tracks.colors[0].track.values[1].g = -1; }),
+              HasSubstr("emission must be finite and not negative"));
+  EXPECT_THAT(refusal([](Animation& a) { a.media[0].tracks.numbers[0].track.values[0] = -1; }),
+              HasSubstr("medium 'fog'"));
+  EXPECT_THAT(refusal([](Animation& a) { a.environment.colors[0].track.values[1].r = -1; }),
+              HasSubstr("environment: radiance"));
+  EXPECT_THAT(refusal([](Animation& a) { a.materials[0].index = 99; }), HasSubstr("there is no material 99"));
+  EXPECT_THAT(refusal([](Animation& a) { a.media[0].index = 1; }), HasSubstr("there is no medium 1"));
+  EXPECT_THAT(refusal([](Animation& a) { a.environment.numbers[0].track.values.pop_back(); }),
+              HasSubstr("must be numbers that increase"));
+}
+
 TEST(Frames, DifferFromEachOther) {
   Scene scene = Scene::build(animated_room(), 2).value();
   const auto first = sums(scene);

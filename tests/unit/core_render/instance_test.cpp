@@ -27,7 +27,7 @@ std::vector<std::uint64_t> picture(const SceneDescription& description, Integrat
   return render(scene, settings, {0, 0, settings.width_px, settings.height_px}, {0, 4}, 2).sums;
 }
 
-// Without mirrors and clear glass: photons guide samples only to caustics of those in no instance.
+// Without mirrors and clear glass, which photons leave by other roundings in an instance.
 SceneDescription without_casters(SceneDescription room) {
   room.materials[4].model = test::lambert(0.5f);
   room.materials[5].model = Glass{.roughness = 0.5f};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eight at once are to the bit what each is alone.
+// Vertices in lanes are to the bit what each is alone.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/ray_lanes.hpp"
@@ -36,6 +37,11 @@ MeshDescription as_mesh(const QuadDescription& quad) {
           .triangle_materials = {quad.material}};
 }
 
+template <Kernel kKernel>
+bool is_of(const Material& material) {
+  return kernel_of(material) == kKernel;
+}
+
 class EightLanes : public testing::Test {
  protected:
   explicit EightLanes(const SceneDescription& scene = fingerprint_scene())
@@ -60,19 +66,32 @@ class EightLanes : public testing::Test {
       return all;
     }
   };
-  // At triangles alone whose material is `only_at`, if that is given.
-  Observations look(bool (*only_at)(const Material&)) {
+  // Only those that `wanted` accepts.
+  template <typename Wanted>
+  Observations look(const Wanted& wanted) {
     Observations observations;
     for (std::size_t lane = 0; lane < kLaneCount;) {
       const Ray ray{random_point(), random_point()};
       const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), ray);
-      if (!hit.found()) continue;
-      if (only_at && (!scene_.primitives().is_plain_triangle(hit) || !only_at(scene_.material_of(hit))))
-        continue;
+      if (!hit.found() || !wanted(ray, hit)) continue;
       observations.rays[lane] = ray;
       observations.hits[lane++] = hit;
     }
     return observations;
+  }
+  const Material& scatterer(const Ray& ray, const Hit& hit) const {
+    return scatterer_of(scene_, hit, scene_.primitives().surface(ray, hit), normalize(-ray.direction));
+  }
+
+  // Compares the vertices that vertices_of() makes of a batch with those that each ray makes alone.
+  template <typename VerticesOf>
+  void compare_batch(const Observations& observations, bool plain_triangles, const VerticesOf& vertices_of) {
+    const RayPointers rays = observations.ray_pointers();
+    const HitPointers hits = observations.hit_pointers();
+    SurfaceBatch::Materials materials;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+      materials[lane] = &scatterer(*rays[lane], *hits[lane]);
+    compare(observations, vertices_of(SurfaceBatch(scene_, rays, hits, materials, plain_triangles)));
   }
 
   // Compares vertices with those that each ray makes alone, and counts how often what is found.
@@ -154,25 +173,56 @@ class EightLanes : public testing::Test {
     }
   }
 
-  void compare_diffuse() { compare_triangles(is_diffuse, diffuse_vertices); }
-  void compare_glossy() { compare_triangles(is_glossy, glossy_vertices); }
+  void compare_diffuse() { compare_kernel(is_of<Kernel::kDiffuse>, diffuse_vertices); }
+  void compare_glossy() { compare_kernel(is_of<Kernel::kGlossy>, glossy_vertices); }
+  // At plain triangles, and at surfaces of all kinds.
   template <typename VerticesOf>
-  void compare_triangles(bool (*only_at)(const Material&), VerticesOf vertices_of) {
+  void compare_kernel(bool (*only_at)(const Material&), const VerticesOf& vertices_of) {
     for (int i = 0; i < 1000 && !HasFatalFailure(); ++i) {
-      const Observations observations = look(only_at);
-      compare(observations, vertices_of(scene_, observations.ray_pointers(), observations.hit_pointers()));
+      const bool plain = i % 2 == 0;
+      const auto wanted = [&](const Ray& ray, const Hit& hit) {
+        return only_at(scatterer(ray, hit)) && (!plain || scene_.primitives().is_plain_triangle(hit));
+      };
+      compare_batch(look(wanted), plain, vertices_of);
     }
-    EXPECT_GT(samples_found_, 6000);
+    EXPECT_GT(samples_found_, 5000);
     EXPECT_GT(lights_found_, 4000);
   }
+  // By the kernel of any materials, and by the kernels of each.
   void compare_all() {
-    for (int i = 0; i < 2000 && !HasFatalFailure(); ++i) {
-      const Observations observations = look(nullptr);
-      compare(observations,
-              mixed_vertices(scene_, observations.ray_pointers(), observations.hit_pointers(), kLaneCount));
+    const auto any = [](const Ray&, const Hit&) { return true; };
+    for (int i = 0; i < 1000 && !HasFatalFailure(); ++i) {
+      compare_batch(look(any), false,
+                    [](const SurfaceBatch& batch) { return mixed_vertices(batch, kLaneCount); });
+      const Observations some = look(any);
+      compare_by_kernel(scatterer(some.rays[0], some.hits[0]));
     }
     EXPECT_GT(samples_found_, 12000);
     EXPECT_GT(lights_found_, 8000);
+  }
+  // At surfaces that are shaded together with those of `material`.
+  void compare_by_kernel(const Material& material) {
+    const Kernel kernel = kernel_of(material);
+    const auto wanted = [&](const Ray& ray, const Hit& hit) {
+      const Material& other = scatterer(ray, hit);
+      return kernel_of(other) == kernel &&
+             (kernel != Kernel::kLayered || other.model.index() == material.model.index());
+    };
+    const Observations observations = look(wanted);
+    switch (kernel) {
+      case Kernel::kDiffuse:
+        return compare_batch(observations, false, diffuse_vertices);
+      case Kernel::kGlossy:
+        return compare_batch(observations, false, glossy_vertices);
+      case Kernel::kPhong:
+        return compare_batch(observations, false, phong_vertices);
+      case Kernel::kSpecular:
+        return compare_batch(observations, false, specular_vertices);
+      case Kernel::kLayered:
+        return compare_batch(observations, false, layered_vertices);
+      case Kernel::kMixed:
+        return;
+    }
   }
 
   Scene scene_;
@@ -245,12 +295,14 @@ TEST_F(EightLanes, OfSurroundings) {
         directions.set(lane, {random() - 0.5f, random() < 0.1f ? 0 : random() - 0.5f, random() - 0.5f});
         normals.set(lane, random() < 0.2f ? Vec3{} : sample_sphere({random(), random()}));
       }
-      const LightSamples samples = environment.sample(normals.all(), Vec2Of<Float8>{u_x.all(), u_y.all()});
-      const auto [radiance, pdf] = environment.see(normals.all(), directions.all());
+      const auto compensation = i % 2 == 0 ? MisCompensation::kOff : MisCompensation::kOn;
+      const LightSamples samples =
+          environment.sample(normals.all(), Vec2Of<Float8>{u_x.all(), u_y.all()}, compensation);
+      const auto [radiance, pdf] = environment.see(normals.all(), directions.all(), compensation);
       for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
         ASSERT_EQ(RgbLanes(radiance)[lane], environment.radiance(directions[lane]));
-        ASSERT_EQ(FloatLanes(pdf)[lane], environment.pdf(normals[lane], directions[lane]));
-        const auto sample = environment.sample(normals[lane], {u_x[lane], u_y[lane]});
+        ASSERT_EQ(FloatLanes(pdf)[lane], environment.pdf(normals[lane], directions[lane], compensation));
+        const auto sample = environment.sample(normals[lane], {u_x[lane], u_y[lane]}, compensation);
         ASSERT_EQ(has(samples.found, lane), sample.has_value());
         if (!sample) continue;
         ASSERT_EQ(Vec3Lanes(samples.wi)[lane], sample->wi);
@@ -307,8 +359,22 @@ SceneDescription with_layers() {
   for (Material& material : scene.materials) {
     if (material.name == "cloth") material.model = ConductorMaterial{.roughness = 0.5f, .anisotropy = 0.7f};
     if (material.name == "frosted")
-      material.model = Principled{.transmission_weight = 0.5f, .coat_weight = 0.5f, .fuzz_weight = 0.5f};
-    if (material.name == "varnish") material.model = Plastic{};
+      material.model = Principled{.base_diffuse_roughness = 0.4f,
+                                  .base_metalness = {0.4f, 0},
+                                  .specular_roughness_anisotropy = 0.3f,
+                                  .transmission_weight = 0.5f,
+                                  .coat_weight = 0.5f,
+                                  .coat_roughness = {0.5f, 0},
+                                  .fuzz_weight = 0.5f,
+                                  .thin_film_weight = {0.5f, 0}};
+    if (material.name == "glass")
+      material.model = Principled{.subsurface_weight = 0.5f,
+                                  .transmission_weight = {0.7f, 0},
+                                  .coat_weight = {1, 0},
+                                  .geometry_thin_walled = true};
+    if (material.name == "varnish") material.model = Plastic{.roughness = {0.5f, 0}};
+    if (material.name == "lacquer") material.model = Plastic{.roughness = 0.4f, .nonlinear = true};
+    if (material.name == "gold") material.model = DiffuseTransmission{};
     if (material.name == "mirror") material.model = ThinDielectric{};
     if (material.name == "wall") material.two_sided = false;
   }
@@ -323,6 +389,65 @@ class EightLayeredLanes : public EightLanes {
 
 TEST_F(EightLayeredLanes, OfAllMaterialsAndShapes) {
   compare_all();
+}
+
+// Whether a mesh or sphere of one material reflects only.
+bool only_reflects(const SceneDescription& scene, const ShapeDescription& shape) {
+  const auto reflects = [&](std::uint32_t material) {
+    return is_black(scene.materials[material].emission.value);
+  };
+  if (const auto* sphere = std::get_if<SphereDescription>(&shape)) return reflects(sphere->material);
+  const auto* mesh = std::get_if<MeshDescription>(&shape);
+  return mesh != nullptr && mesh->triangle_materials.size() == 1 && reflects(mesh->triangle_materials[0]);
+}
+
+// The same scene with such shapes in objects of their own, shown at two places: moved, turned, stretched and
+// reflected.
+SceneDescription with_instances() {
+  SceneDescription scene = fingerprint_scene();
+  const std::array places{compose(translation({0.2f, 0.1f, -0.1f}), rotation({0.3f, 1, 0.2f}, 7)),
+                          compose(translation({-0.1f, 0.4f, 0.3f}),
+                                  compose(rotation({1, 0.2f, -0.4f}, 25), scaling({-0.9f, 1.2f, 0.8f})))};
+  std::vector<ShapeDescription> shapes;
+  for (ShapeDescription& shape : scene.shapes) {
+    if (const auto* quad = std::get_if<QuadDescription>(&shape)) shape = as_mesh(*quad);
+    if (!only_reflects(scene, shape)) {
+      shapes.push_back(shape);
+      continue;
+    }
+    const auto object = static_cast<std::uint32_t>(scene.objects.size());
+    scene.objects.push_back({.name = "part", .shapes = {shape}, .shape_names = {}});
+    for (const Transform& place : places) shapes.push_back(InstanceDescription{object, place, std::nullopt});
+  }
+  scene.shapes = std::move(shapes);
+  return scene;
+}
+
+class InstancedLanes : public EightLanes {
+ protected:
+  InstancedLanes() : EightLanes(with_instances()) {}
+};
+
+TEST_F(InstancedLanes, OfAllMaterialsAndShapes) {
+  compare_all();
+  int instanced = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Ray ray{random_point(), random_point()};
+    instanced += scene_.bvh().closest_hit(scene_.primitives(), ray).in_instance() ? 1 : 0;
+  }
+  EXPECT_GT(instanced, 300);
+}
+
+TEST_F(InstancedLanes, OfTheKernelsOfFrequentMaterials) {
+  const auto look_at_instances = [&](bool (*only_at)(const Material&)) {
+    return look(
+        [&](const Ray& ray, const Hit& hit) { return hit.in_instance() && only_at(scatterer(ray, hit)); });
+  };
+  for (int i = 0; i < 500 && !HasFatalFailure(); ++i) {
+    compare_batch(look_at_instances(is_of<Kernel::kDiffuse>), false, diffuse_vertices);
+    compare_batch(look_at_instances(is_of<Kernel::kGlossy>), false, glossy_vertices);
+  }
+  EXPECT_GT(samples_found_, 5000);
 }
 
 }  // namespace

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -32,21 +35,31 @@ std::vector<Light> with_sun_and_sky(std::vector<Light> lights) {
   return lights;
 }
 
-class Frequencies : public testing::TestWithParam<bool> {};
+constexpr MisCompensation kOff = MisCompensation::kOff, kOn = MisCompensation::kOn;
+
+// Whether there are a sun and a sky; and the compensation.
+class Frequencies : public testing::TestWithParam<std::tuple<bool, MisCompensation>> {
+ protected:
+  std::vector<Light> with_lamps(int lamps) const {
+    auto scattered = test::scattered_lights(lamps);
+    return std::get<0>(GetParam()) ? with_sun_and_sky(std::move(scattered)) : scattered;
+  }
+  const MisCompensation compensation_ = std::get<1>(GetParam());
+};
 
 // Pearson's test, with one more cell for choosing none. Each choice also carries its light's pmf.
 TEST_P(Frequencies, AreThePmf) {
   constexpr int kSamples = 20000;
-  auto lights = test::scattered_lights(120);
-  if (GetParam()) lights = with_sun_and_sky(std::move(lights));
+  const auto lights = with_lamps(120);
   const LightSampler sampler(lights, Among::kAll, 1);
   for (int p = 0; p < 12; ++p) {
     const LightSampleContext point = test::light_context(p);
     std::vector<double> expected(lights.size() + 1), observed(lights.size() + 1);
     double sum = 0;
     for (std::uint32_t i = 0; i < lights.size(); ++i) {
-      const auto pmf = static_cast<double>(sampler.pmf(point, i));
-      EXPECT_GE(pmf, 0.0999 / static_cast<double>(lights.size()));
+      const auto pmf = static_cast<double>(sampler.pmf(point, i, compensation_));
+      const bool spared = compensation_ == kOn && std::holds_alternative<Environment>(lights[i]);
+      EXPECT_GE(pmf, spared ? 0 : 0.0999 / static_cast<double>(lights.size()));
       expected[i] = pmf * kSamples;
       sum += pmf;
     }
@@ -54,25 +67,27 @@ TEST_P(Frequencies, AreThePmf) {
     expected.back() = (1 - sum) * kSamples;
     for (int s = 0; s < kSamples; ++s) {
       const auto u = test::numbers(s, static_cast<std::uint32_t>(40 + p));
-      const auto choice =
-          sampler.sample(point, static_cast<double>(u[0]) + static_cast<double>(u[1]) * 0x1p-24);
+      const auto choice = sampler.sample(
+          point, static_cast<double>(u[0]) + static_cast<double>(u[1]) * 0x1p-24, compensation_);
       observed[choice.light == kNoLight ? lights.size() : choice.light] += 1;
       if (choice.light == kNoLight) continue;
-      ASSERT_NEAR(choice.pmf, sampler.pmf(point, choice.light), 1e-5f * choice.pmf);
+      ASSERT_NEAR(choice.pmf, sampler.pmf(point, choice.light, compensation_), 1e-5f * choice.pmf);
     }
     test::expect_chi_square(observed, expected, 20);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(LightSampler, Frequencies, testing::Values(false, true),
-                         [](const auto& test_case) { return test_case.param ? "WithSunAndSky" : "OfLamps"; });
+INSTANTIATE_TEST_SUITE_P(LightSampler, Frequencies,
+                         testing::Combine(testing::Values(false, true), testing::Values(kOff, kOn)),
+                         [](const auto& test_case) {
+                           return std::string(std::get<0>(test_case.param) ? "WithSunAndSky" : "OfLamps") +
+                                  (std::get<1>(test_case.param) == kOn ? "BesideBsdfSamples" : "Alone");
+                         });
 
 // With a tree of many nodes, of one node, and of one lamp; and for a single light.
 TEST_P(Frequencies, OfEightPointsAreThoseOfEach) {
   for (const int count : {120, 5, 1}) {
-    auto lights = test::scattered_lights(count);
-    if (GetParam()) lights = with_sun_and_sky(std::move(lights));
-    const LightSampler sampler(lights, Among::kAll, 1);
+    const LightSampler sampler(with_lamps(count), Among::kAll, 1);
     for (int i = 0; i < 500; ++i) {
       Vec3Lanes position, normal;
       std::array<double, kLaneCount> u;
@@ -84,10 +99,10 @@ TEST_P(Frequencies, OfEightPointsAreThoseOfEach) {
         u[lane] = static_cast<double>(test::numbers(n, 42)[0]);
       }
       const unsigned asked = 0xb7;
-      const auto together = sampler.sample({position.all(), normal.all()}, u, asked);
+      const auto together = sampler.sample({position.all(), normal.all()}, u, asked, compensation_);
       for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
         if ((asked >> lane & 1) == 0) continue;
-        const auto alone = sampler.sample({position[lane], normal[lane]}, u[lane]);
+        const auto alone = sampler.sample({position[lane], normal[lane]}, u[lane], compensation_);
         ASSERT_EQ(together[lane].light, alone.light);
         ASSERT_EQ(together[lane].pmf, alone.pmf);
       }
@@ -128,13 +143,44 @@ TEST(LightSampler, WeighsAnUnevenSkyByWhichWayTheSurfaceFaces) {
   const Environment sky = uneven_sky(1);
   const DirectionalLight sun({0, -1, 0}, Rgb::gray(3));
   const LightSampler sampler({sun, sky}, Among::kAll, 1);
-  const auto sought = [&](Vec3 normal) { return sky.importance_by_normal()[normal_bin(normal)]; };
+  const auto sought = [&](Vec3 normal) {
+    return sky.importance_by_normal()[normal_bin(normal)].uncompensated;
+  };
   ASSERT_GT(sought({0, 1, 0}), 3 * sought({0, -1, 0}));
   for (const Vec3 normal : {Vec3{0, 1, 0}, normalize({1, 1, 0}), normalize({-2, 1, 3}), Vec3{}}) {
     const double of_sun = normal == Vec3{} ? 3 : 3 * static_cast<double>(normal.y);
     const double part = sought(normal) / (sought(normal) + of_sun);
     EXPECT_NEAR(sampler.pmf({{}, normal}, 1), 0.1 / 2 + 0.9 * (0.75 * part + 0.25 / 2), 1e-6);
   }
+}
+
+// A lamp of irradiance E beside an even sky of Y: beside BSDF samples, the sky counts max(0, (2 Y - E) / 2).
+TEST(LightSampler, LeavesAnEvenSkyToBsdfSamples) {
+  for (const double lamp : {0.5, 4.0, 7.0, 8.5, 100.0}) {
+    constexpr double kSky = 4;
+    const LightSampler sampler({DirectionalLight({0, -1, 0}, Rgb::gray(static_cast<float>(lamp))),
+                                Environment(Rgb::gray(4 / kPi), nullptr, 0)},
+                               Among::kAll, 1);
+    const double weight = std::max(0.0, (2 * kSky - lamp) / 2), even = std::min(1.0, weight / kSky);
+    const double share = 0.75 * weight / (weight + lamp) + 0.25 * even / (even + 1);
+    for (const Vec3 normal : {Vec3{0, 1, 0}, Vec3{}}) {
+      EXPECT_NEAR(sampler.pmf({{}, normal}, 1, kOn), 0.9 * share, 1e-2);
+      EXPECT_NEAR(sampler.pmf({{}, normal}, 0, kOn), 1 - 0.9 * share, 1e-2);
+    }
+    EXPECT_NEAR(sampler.pmf({{}, {0, -1, 0}}, 1, kOn), 0.9, 1e-6) << "no other light reaches the surface";
+  }
+}
+
+// A sun in the environment competes with a lamp by its irradiance.
+TEST(LightSampler, WeighsASunOfTheEnvironmentBesideALamp) {
+  std::vector<float> texels(std::size_t{3} * 64 * 32, 1e-3f);
+  std::fill_n(texels.begin() + 3 * (64 * 9 + 20), 3, 1000.0f);
+  const Environment sky(Rgb::gray(1), std::make_shared<TextureImage>(TextureImage{64, 32, texels}), 0);
+  const LightSampler sampler({DirectionalLight({0, -1, 0}, Rgb::gray(1)), sky}, Among::kAll, 1);
+  const auto [uncompensated, total, excess] = sky.importance_by_normal()[normal_bin(Vec3{0, 1, 0})];
+  ASSERT_GT(excess, 0.9 * total);
+  const double even = excess / total, share = 0.75 * excess / (excess + 1) + 0.25 * even / (even + 1);
+  EXPECT_NEAR(sampler.pmf({{}, {0, 1, 0}}, 1, kOn), 0.9 * share, 1e-6);
 }
 
 TEST(LightSampler, WeighsEachColorAlike) {

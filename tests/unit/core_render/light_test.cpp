@@ -43,7 +43,11 @@ class LightSampling : public testing::TestWithParam<LightCase> {
     const std::uint32_t id = scene_.light_of(hit);
     const Vec3 p_light = scene_.primitives().surface(ray, hit).position;
     return static_cast<double>(scene_.light_sampler().pmf({GetParam().p_lit}, id) *
-                               scene_.area_light(id).pdf(GetParam().p_lit, p_light));
+                               area_light(id).pdf(GetParam().p_lit, p_light));
+  }
+
+  const AreaLight& area_light(std::uint32_t light) const {
+    return *std::get_if<AreaLight>(&scene_.lights()[light]);
   }
 
   Scene scene_;
@@ -58,7 +62,7 @@ TEST_P(LightSampling, AgreesWithLookingAround) {
     const auto u = Sampler(5, i % 1000, i / 1000, 0).pad(0);
     const auto choice = scene_.light_sampler().sample({p}, static_cast<double>(u[2]));
     if (choice.light == kNoLight) continue;
-    const AreaLight& light = scene_.area_light(choice.light);
+    const AreaLight& light = area_light(choice.light);
     if (const auto s = light.sample(scene_.textures(), p, {u[0], u[1]})) {
       const float again = light.pdf(p, s->point->position);
       ASSERT_NEAR(s->pdf, again, 2e-3 * static_cast<double>(s->pdf)) << "sample() and pdf() disagree";
@@ -224,11 +228,63 @@ TEST(DeltaLights, HaveThePowerOfWhatTheySend) {
               2 * 4 * std::numbers::pi * 9 * std::numbers::pi, 1e-3);
 }
 
+TEST(SpotLight, FallsOffLinearlyInTheAngle) {
+  const SpotLight spot({}, Rgb::gray(1), {{0, 0, 1}, 80, 0.5f, SpotFalloff::kLinear});
+  const auto at = [&](double degrees) {
+    return spot.falloff(static_cast<float>(1 - std::cos(degrees * std::numbers::pi / 180)));
+  };
+  EXPECT_EQ(at(19), 1);
+  EXPECT_NEAR(at(25), 0.75f, 1e-4f);
+  EXPECT_NEAR(at(39), 0.05f, 1e-4f);
+  EXPECT_EQ(at(41), 0);
+  // The integral of the falloff over the sphere, by parts.
+  const double inner = std::numbers::pi / 9, outer = 2 * inner;
+  EXPECT_NEAR(spot.power(),
+              2 * std::numbers::pi * (1 - (std::sin(outer) - std::sin(inner)) / (outer - inner)), 1e-3);
+}
+
+// Of two columns, the left one red and the right one green, the upper texels twice as bright.
+std::vector<Texture> slide() {
+  return {
+      {.image = std::make_shared<TextureImage>(2, 2, std::vector<float>{2, 0, 0, 0, 2, 0, 1, 0, 0, 0, 1, 0}),
+       .wrap = Wrap::kClamp}};
+}
+
+TEST(SpotLight, ProjectsAnImage) {
+  ProjectedImage image{.texture = 0, .right = {0.5f, 0, 0}, .up = {0, 1, 0}};
+  const auto light = [&](Vec3 to) {
+    return SpotLight({}, Rgb::gray(3), {{0, 0, 1}, 120, 0}, image).sample(slide(), to);
+  };
+  EXPECT_NEAR(light({0.375f, 0.9f, 1})->radiance.g / light({0.375f, -0.9f, 1})->radiance.g, 2, 1e-5f);
+  EXPECT_EQ(light({0.375f, 0.9f, 1})->radiance.r, 0);
+  EXPECT_GT(light({-0.375f, 0.9f, 1})->radiance.r, 0);
+  EXPECT_FALSE(light({0.51f, 0, 1}));
+  EXPECT_FALSE(light({0, -1.01f, 1}));
+  EXPECT_NEAR(light({0.45f, 0.8f, 1})->radiance.g, 6 / (1 + 0.45f * 0.45f + 0.8f * 0.8f), 1e-5f);
+  image.flat_field = true;
+  // On a plane the cosine to the light and the growing distance are made up for.
+  const Vec3 place{0.45f, 0.8f, 1};
+  const auto flat = light(place);
+  EXPECT_NEAR(flat->radiance.g * std::fabs(flat->wi.z), 6, 1e-4f);
+}
+
+TEST(PointLight, EmitsAsAnImageSays) {
+  const auto half = std::make_shared<TextureImage>(2, 1, std::vector<float>{1, 1, 1, 3, 3, 3});
+  // The image is split at -z, its middle, into -x on the left and +x on the right.
+  const PointLight light({}, Rgb::gray(2), half);
+  EXPECT_NEAR(light.sample({1, 0, 0})->radiance.g, 6, 1e-5f);
+  EXPECT_NEAR(light.sample({-1, 0, 0})->radiance.g, 2, 1e-5f);
+  EXPECT_NEAR(light.power(), 16 * std::numbers::pi, 1e-4);
+  Transform turned;
+  turned.x_axis = {-1, 0, 0};
+  EXPECT_NEAR(PointLight({}, Rgb::gray(2), half, turned).sample({1, 0, 0})->radiance.g, 2, 1e-5f);
+}
+
 TEST(SpotLight, MayBeAsNarrowAsALaser) {
   const SpotLight laser({}, Rgb::gray(1), {{0, 0, 1}, 0.001f, 0.5f});
   EXPECT_GT(laser.power(), 0);
-  EXPECT_TRUE(laser.sample({0, 0, 5}));
-  EXPECT_FALSE(laser.sample({0.001f, 0, 5}));
+  EXPECT_TRUE(laser.sample({}, {0, 0, 5}));
+  EXPECT_FALSE(laser.sample({}, {0.001f, 0, 5}));
 }
 
 TEST(SpotLight, HasASharpEdgeWithoutSoftnessAndFallsOffSmoothlyWithIt) {

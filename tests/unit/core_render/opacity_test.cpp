@@ -284,12 +284,40 @@ TEST(Transmittance, IsTheProductOfWhatEachSurfaceLetsThrough) {
     std::uint64_t traced = 0;
     return transmittance(scene, {{0, 0, 0}, {0, 0, length}, 1}, traced);
   };
-  EXPECT_EQ(share(0.9f), 1);
-  EXPECT_EQ(share(1.5f), 0.5f);
-  EXPECT_EQ(share(3), 0.375f);
-  EXPECT_EQ(share(5), 0);
+  EXPECT_EQ(share(0.9f), Rgb::gray(1));
+  EXPECT_EQ(share(1.5f), Rgb::gray(0.5f));
+  EXPECT_EQ(share(3), Rgb::gray(0.375f));
+  EXPECT_EQ(share(5), Rgb{});
   std::uint64_t traced = 0;
-  EXPECT_EQ(transmittance(scene, {{0.1f, 0, 3}, {0, 0, -2}}, traced), 0.375f);
+  EXPECT_EQ(transmittance(scene, {{0.1f, 0, 3}, {0, 0, -2}}, traced), Rgb::gray(0.375f));
+}
+
+// A floor under a pane sees the lamps through it: at once, so that no depth is needed, and with every
+// strategy.
+TEST(Pane, LetsLightPassStraight) {
+  const auto brightness = [](bool pane, const LightDescription& light, Integrator integrator) {
+    SceneMaker maker({.position = {0, -3, 0.5f}, .look_at = {0, 0, 0}, .vertical_fov_degrees = 2});
+    maker.add(card(0, maker.material(test::lambert(0.5f))));
+    if (pane) maker.add(card(1, maker.material(ThinDielectric{.transmittance = {{0.5f, 1, 1}}}), 50));
+    maker.description().lights = {light};
+    return mean_radiance(maker.build(), {.integrator = integrator, .max_depth = 1}, 64).value;
+  };
+  const LightDescription lamp = DirectionalLightDescription{{0, 0, -1}, Rgb::gray(2)};
+  for (const Integrator integrator :
+       {Integrator::kNaive, Integrator::kNee, Integrator::kMis, Integrator::kWhitted}) {
+    const double free = brightness(false, lamp, integrator);
+    EXPECT_GT(free, 0.01);
+    EXPECT_NEAR(brightness(true, lamp, integrator), 0.5 * (1 - 0.08 / 1.04) * free, 1e-4 * free);
+  }
+}
+
+// In a lamp around everything a pane neither takes nor adds light, whatever the strategy.
+TEST(Pane, LosesNothingInAWhiteFurnace) {
+  SceneMaker maker({.position = {0, -3, 0.5f}, .look_at = {0, 0, 0.2f}, .vertical_fov_degrees = 40});
+  maker.add(card(0, maker.material(test::lambert(1))));
+  maker.add(SphereDescription{{0, 0, 0}, 20, maker.material(test::lambert(0), Rgb::gray(3))});
+  maker.add(card(0.7f, maker.material(ThinDielectric{}), 2));
+  expect_radiance(maker.build(), 3, 500);
 }
 
 // The room with translucent materials of every kind.

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The radiance of one sample, divided into the layers of an image. Integrators fill it in beside the
+// radiance, which it does not change.
+#pragma once
+
+#include "core/math/rgb.hpp"
+
+namespace tessera::core {
+
+struct LightParts {
+  // Where light that reaches the camera without being scattered comes from.
+  enum class Source { kEmission, kEnvironment };
+
+  Rgb emission{}, environment{};  // seen by the camera
+  Rgb direct{}, indirect{};       // scattered once, and more often
+  bool escaped = false;           // the camera ray met nothing
+
+  // Adds light that was scattered this many times.
+  void add(Rgb radiance, int scatterings, Source source) {
+    Rgb& part = scatterings > 1               ? indirect
+                : scatterings == 1            ? direct
+                : source == Source::kEmission ? emission
+                                              : environment;
+    part += radiance;
+  }
+};
+
+}  // namespace tessera::core
