@@ -7,6 +7,7 @@
 #include <array>
 #include <utility>
 
+#include "core/scene/gltf/binary_container.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core::gltf {
@@ -52,15 +53,6 @@ std::string text_of(const JsonValue* list, std::size_t i) {
   return text == nullptr ? std::string() : *text;
 }
 
-std::uint32_t little_endian(std::string_view bytes, std::size_t offset) {
-  std::uint32_t word = 0;
-  for (std::size_t i = 0; i < 4; ++i)
-    word |= std::uint32_t{static_cast<unsigned char>(bytes[offset + i])} << (8 * i);
-  return word;
-}
-
-constexpr std::string_view kBinaryMagic = "glTF";
-
 }  // namespace
 
 Document::Document(std::string bytes, SceneBuilder& builder) : builder_(builder), bytes_(std::move(bytes)) {
@@ -77,31 +69,12 @@ Document::Document(std::string bytes, SceneBuilder& builder) : builder_(builder)
 }
 
 std::string_view Document::split() {
-  const std::string_view bytes = bytes_;
-  if (!bytes.starts_with(kBinaryMagic)) return bytes;
+  if (!gltf::is_binary(bytes_)) return bytes_;
   is_binary_ = true;
-  constexpr std::size_t kHeader = 12, kChunkHeader = 8;
-  if (bytes.size() < kHeader) refuse_file("is truncated in its header");
-  if (const std::uint32_t version = little_endian(bytes, 4); version != 2)
-    refuse_file(fmt::format("is a binary glTF file of version {}; only version 2 can be read", version));
-  const std::size_t length = little_endian(bytes, 8);
-  if (length > bytes.size())
-    refuse_file(fmt::format("is truncated: it has {} bytes, and its header says {}", bytes.size(), length));
-  std::optional<std::string_view> json;
-  for (std::size_t at = kHeader; at + kChunkHeader <= length;) {
-    const std::size_t size = little_endian(bytes, at);
-    constexpr std::uint32_t kJson = 0x4e4f534a, kBin = 0x004e4942;
-    const std::uint32_t type = little_endian(bytes, at + 4);
-    at += kChunkHeader;
-    if (size > length - at) refuse_file("has a chunk that reaches beyond its end");
-    const std::string_view chunk = bytes.substr(at, size);
-    if (type == kJson && !json) json = chunk;
-    if (type == kBin && !binary_) binary_ = chunk;
-    at += size + (4 - size % 4) % 4;
-  }
-  if (!json) refuse_file("is a binary glTF file without a JSON chunk");
-  // Some writers fill it up with NUL instead of blanks.
-  return json->substr(0, json->find_last_not_of('\0') + 1);
+  const auto parts = split_binary(bytes_);
+  if (!parts) refuse_file(parts.error().message);
+  binary_ = parts->binary;
+  return parts->json;
 }
 
 void Document::check_version() const {

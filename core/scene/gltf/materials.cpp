@@ -56,6 +56,18 @@ float ior_of_reflectance(float f0) {
   return ior > 1 && ior < kMaxIor ? ior : ior <= 1 ? 1.0f : kMaxIor;
 }
 
+// Parameters of OpenPBR.
+struct Anisotropic {
+  float ratio = 0, roughness = 0;
+};
+
+// glTF gives the roughness along the direction as mix(alpha, 1, strength^2), and alpha across it; OpenPBR
+// 1.1 (section "Microfacet model") the ratio 1 - anisotropy of both, at a mean square that stays.
+Anisotropic anisotropic(float alpha, float strength) {
+  const float along = alpha + (1 - alpha) * strength * strength, ratio = alpha / along;
+  return {1 - ratio, std::min(std::sqrt(along / std::sqrt(2 / (1 + ratio * ratio))), 1.0f)};
+}
+
 }  // namespace
 
 bool is_transparent(const Value& material) {
@@ -66,8 +78,7 @@ bool is_unlit(const Value& material) {
   return material.extension("KHR_materials_unlit").exists();
 }
 
-Materials::Use Materials::of_primitive(const Value& primitive) {
-  const Value index = primitive["material"];
+Materials::Use Materials::use(const Value& index) {
   const Value material = index.exists() ? document_.element("materials", index) : Value();
   const auto known = converted_.find(material.path());
   if (known != converted_.end()) return known->second;
@@ -264,21 +275,33 @@ void Materials::add_transmission(const Value& material, Principled& model) {
     document_.warn(dispersion, "dispersion", "dispersion is not supported; all colours are refracted alike");
 }
 
-// glTF gives the roughness along the direction as mix(alpha, 1, strength^2), and alpha across it; OpenPBR
-// 1.1 (section "Microfacet model") the ratio 1 - anisotropy of both, at a mean square that stays.
 void Materials::add_anisotropy(const Value& extension, Principled& model) {
   const float strength = std::clamp(extension.number_or("anisotropyStrength", 0), 0.0f, 1.0f);
   if (!(strength > 0)) return;
   const float alpha = std::max(model.specular_roughness.value * model.specular_roughness.value, 1e-3f);
-  const float along = alpha + (1 - alpha) * strength * strength, ratio = alpha / along;
-  model.specular_roughness_anisotropy = 1 - ratio;
-  model.specular_roughness.value = std::sqrt(along / std::sqrt(2 / (1 + ratio * ratio)));
-  model.specular_roughness.value = std::min(model.specular_roughness.value, 1.0f);
-  if (model.specular_roughness.texture >= 0 || extension["anisotropyTexture"].exists())
+  const Value info = extension["anisotropyTexture"];
+  if (model.specular_roughness.texture >= 0) {
     document_.warn(
         extension, "anisotropy texture",
         "anisotropy is computed for the roughness factor; its texture's direction and strength are "
         "ignored");
+  } else if (info.exists()) {
+    document_.warn(info, "anisotropy direction",
+                   "the direction of anisotropy is that of growing u everywhere");
+    // Blue is a factor of the strength.
+    const std::string name = fmt::format("anisotropy {} {}", strength, alpha);
+    const auto at = [&](float blue) { return anisotropic(alpha, strength * blue); };
+    model.specular_roughness_anisotropy = {
+        1,
+        textures_.converted(info, TextureChannel::kBlue, name, [&](float blue) { return at(blue).ratio; })};
+    model.specular_roughness = {1, textures_.converted(info, TextureChannel::kBlue, "rough " + name,
+                                                       [&](float blue) { return at(blue).roughness; })};
+  }
+  if (model.specular_roughness_anisotropy.texture < 0) {
+    const Anisotropic all = anisotropic(alpha, strength);
+    model.specular_roughness_anisotropy = all.ratio;
+    model.specular_roughness.value = all.roughness;
+  }
   if (extension.number_or("anisotropyRotation", 0) != 0)
     document_.warn(extension, "anisotropy rotation",
                    "the direction of anisotropy is that of growing u; its rotation is ignored");

@@ -27,8 +27,8 @@ class Materials {
     std::uint32_t material = 0;  // of the scene
     std::uint32_t uv_set = 0;    // the texture coordinates of its textures
   };
-  // The material of a primitive; each is converted once.
-  Use of_primitive(const Value& primitive);
+  // The material of an index in the file, or the default one if it is absent; each is converted once.
+  Use use(const Value& index);
 
  private:
   Use convert(const Value& material);

@@ -7,18 +7,11 @@
 #include <utility>
 
 #include "core/math/quaternion.hpp"
+#include "core/scene/gltf/animation.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core::gltf {
 namespace {
-
-// The parameters of a node, as the file gives them or as an animation replaces them.
-struct NodePose {
-  Vec3 translation{0, 0, 0}, scale{1, 1, 1};
-  std::vector<float> rotation{0, 0, 0, 1};
-  std::vector<float> matrix;  // of 16 numbers, or empty
-  std::vector<float> weights;
-};
 
 std::vector<float> numbers_of(const Value& list) {
   std::vector<float> numbers;
@@ -34,64 +27,6 @@ NodePose read_pose(const Value& node) {
   pose.matrix = node.numbers("matrix", 16);
   pose.weights = numbers_of(node["weights"]);
   return pose;
-}
-
-// Replaces parameters of nodes by those of the first animation at its beginning: its first keyframes.
-class FirstKeyframes {
- public:
-  FirstKeyframes(const Document& document, Accessors& accessors, std::vector<NodePose>& poses)
-      : document_(document), accessors_(accessors), poses_(poses) {}
-
-  void apply(const Value& animation) {
-    const Value channels = animation["channels"];
-    for (std::size_t i = 0; i < channels.size(); ++i) apply(animation, channels.at(i));
-  }
-
- private:
-  void apply(const Value& animation, const Value& channel);
-  NodePose& pose_of(const Value& node) {
-    document_.element("nodes", node);
-    return poses_[static_cast<std::size_t>(node.whole())];
-  }
-  void apply_weights(const Value& sampler, NodePose& pose);
-
-  const Document& document_;
-  Accessors& accessors_;
-  std::vector<NodePose>& poses_;
-};
-
-void FirstKeyframes::apply(const Value& animation, const Value& channel) {
-  const Value target = channel["target"], sampler_index = channel["sampler"];
-  const std::string path = target.text("path");
-  if (!target["node"].exists() || !sampler_index.exists())
-    return document_.warn(target, "animation target", "an animation of something else than nodes is ignored");
-  NodePose& pose = pose_of(target["node"]);
-  const Value samplers = animation["samplers"];
-  if (sampler_index.whole() >= samplers.size()) sampler_index.refuse("there is no such sampler");
-  const Value sampler = samplers.at(static_cast<std::size_t>(sampler_index.whole()));
-  if (path == "weights") return apply_weights(sampler, pose);
-  if (path != "translation" && path != "rotation" && path != "scale")
-    return document_.warn(target, "animation path",
-                          fmt::format("the animation of {} is ignored", in_quotes(path)));
-  const Accessor values = accessors_.read(sampler["output"], path == "rotation" ? 4 : 3);
-  // A cubic spline has a tangent before each value.
-  const std::size_t first = sampler.text("interpolation") == "CUBICSPLINE" ? 1 : 0;
-  if (values.count() <= first) return;
-  pose.matrix.clear();
-  if (path == "translation") pose.translation = values.vec3(first);
-  if (path == "scale") pose.scale = values.vec3(first);
-  if (path == "rotation")
-    for (std::size_t c = 0; c < 4; ++c) pose.rotation[c] = values.number(first, c);
-}
-
-void FirstKeyframes::apply_weights(const Value& sampler, NodePose& pose) {
-  const Accessor times = accessors_.read(sampler["input"], 1), values = accessors_.read(sampler["output"], 1);
-  const bool is_spline = sampler.text("interpolation") == "CUBICSPLINE";
-  if (times.count() == 0) return;
-  const std::size_t targets = values.count() / times.count() / (is_spline ? 3 : 1);
-  pose.weights.clear();
-  for (std::size_t i = 0; i < targets; ++i)
-    pose.weights.push_back(values.number(is_spline ? targets + i : i, 0));
 }
 
 Transform local_transform(const NodePose& pose) {
@@ -156,13 +91,26 @@ bool is_visible(const Value& node) {
   return !extension["visible"].exists() || extension.is_true("visible");
 }
 
-void apply_animation(const Document& document, Accessors& accessors, std::vector<NodePose>& poses) {
+void animate(const Document& document, Accessors& accessors, const Selection& selection,
+             std::vector<NodePose>& poses) {
   const Value animations = document.root()["animations"];
-  if (animations.size() == 0) return;
-  FirstKeyframes(document, accessors, poses).apply(animations.at(0));
-  document.warn(animations, "animation",
-                fmt::format("the scene is rendered as it is at the beginning of the first of {} animations",
-                            animations.size()));
+  for (std::size_t i = 0; i < animations.size(); ++i)
+    document.builder().scene().contents.animations.push_back(
+        {printable(animations.at(i).text("name")), length_of(document, animations.at(i))});
+  if (!selection.animation) return;
+  apply_animation(document, accessors, *selection.animation, selection.seconds.value_or(0), poses);
+  if (!selection.seconds)
+    document.warn(
+        animations, "animation",
+        fmt::format("the scene is rendered as it is at the beginning of {} of {} animations; a time "
+                    "can be chosen (--animation-time)",
+                    selection.animation->path() == animations.at(0).path() ? "the first" : "one",
+                    animations.size()));
+}
+
+Value default_scene(const Document& document) {
+  const Value index = document.root()["scene"];
+  return index.exists() ? document.element("scenes", index) : document.root()["scenes"].at(0);
 }
 
 }  // namespace
@@ -182,7 +130,7 @@ Transform placed(Vec3 translation, const std::vector<float>& rotation, Vec3 scal
   return map;
 }
 
-std::vector<Node> read_nodes(const Document& document, Accessors& accessors) {
+std::vector<Node> read_nodes(const Document& document, Accessors& accessors, const Selection& selection) {
   const Value list = document.root()["nodes"];
   std::vector<Node> nodes(list.size());
   std::vector<NodePose> poses;
@@ -191,20 +139,22 @@ std::vector<Node> read_nodes(const Document& document, Accessors& accessors) {
     poses.push_back(read_pose(nodes[i].value));
   }
   connect(document, nodes);
-  apply_animation(document, accessors, poses);
+  animate(document, accessors, selection, poses);
   place(nodes, poses);
   for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i].weights = std::move(poses[i].weights);
   return nodes;
 }
 
-std::vector<std::uint32_t> nodes_of_scene(const Document& document, const std::vector<Node>& nodes) {
-  const Value scenes = document.root()["scenes"], chosen = document.root()["scene"];
+std::vector<std::uint32_t> nodes_of_scene(const Document& document, const std::vector<Node>& nodes,
+                                          const Selection& selection) {
+  const Value scenes = document.root()["scenes"];
   std::vector<std::uint32_t> roots = roots_of(nodes);
   if (scenes.size() > 0) {
-    const Value scene = chosen.exists() ? document.element("scenes", chosen) : scenes.at(0);
-    if (scenes.size() > 1)
+    const Value scene = selection.scene ? *selection.scene : default_scene(document);
+    if (scenes.size() > 1 && !selection.scene)
       document.warn(scenes, "scenes",
-                    fmt::format("of {} scenes, only {} is rendered", scenes.size(), name_of(scene)));
+                    fmt::format("of {} scenes, only {} is rendered; another one can be chosen (--scene)",
+                                scenes.size(), name_of(scene)));
     roots.clear();
     std::vector<bool> is_root(nodes.size());
     const Value list = scene["nodes"];

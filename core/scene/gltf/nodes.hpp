@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The nodes of a glTF file as a forest, placed as they are at rest, or where the first animation has them at
-// its beginning. Functions throw Refusals: of nodes that form cycles or have two parents.
+// The nodes of a glTF file as a forest, placed as they are at rest, or where an animation has them at a time.
+// Functions throw Refusals: of nodes that form cycles or have two parents.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include "core/math/transform.hpp"
 #include "core/scene/gltf/accessor.hpp"
 #include "core/scene/gltf/document.hpp"
+#include "core/scene/gltf/selection.hpp"
 
 namespace tessera::core::gltf {
 
@@ -21,11 +22,12 @@ struct Node {
 };
 
 // All nodes of the file; index i is nodes[i].
-std::vector<Node> read_nodes(const Document& document, Accessors& accessors);
+std::vector<Node> read_nodes(const Document& document, Accessors& accessors, const Selection& selection);
 
-// The visible nodes of the default scene (KHR_node_visibility), in the order of a walk from its first node
+// The visible nodes of the chosen scene (KHR_node_visibility), in the order of a walk from its first node
 // down. If the file has no scene, all nodes.
-std::vector<std::uint32_t> nodes_of_scene(const Document& document, const std::vector<Node>& nodes);
+std::vector<std::uint32_t> nodes_of_scene(const Document& document, const std::vector<Node>& nodes,
+                                          const Selection& selection);
 
 // The map of a translation, a rotation (a quaternion x, y, z, w of any length) and a scale.
 Transform placed(Vec3 translation, const std::vector<float>& rotation, Vec3 scale);

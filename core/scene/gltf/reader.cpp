@@ -17,6 +17,7 @@
 #include "core/scene/gltf/mesh.hpp"
 #include "core/scene/gltf/nodes.hpp"
 #include "core/scene/gltf/placements.hpp"
+#include "core/scene/gltf/selection.hpp"
 #include "core/scene/gltf/textures.hpp"
 #include "core/scene/import/front_ends.hpp"
 #include "core/scene/import/mesh_repair.hpp"
@@ -42,7 +43,7 @@ struct InstanceAttributes {
   }
 };
 
-// Adds what the nodes of the default scene hold.
+// Adds what the nodes of the chosen scene hold.
 class SceneReader {
  public:
   explicit SceneReader(const Document& document) : document_(document) {}
@@ -50,7 +51,7 @@ class SceneReader {
   void read();
 
  private:
-  void add_camera(const Node& node);
+  void set_camera(const std::vector<std::uint32_t>& order);
   void add_light(const Node& node);
   void add_mesh(const Node& node);
   // Where EXT_mesh_gpu_instancing places a node's mesh, or the node's own placement.
@@ -67,9 +68,12 @@ class SceneReader {
   bool is_shared(const Node& node) const;
   std::vector<float> weights_of(const Node& node, const Value& mesh) const;
   void set_image_size(float aspect_ratio);
+  // The index of a primitive's material in the chosen variant (KHR_materials_variants); may be absent.
+  Value material_index_of(const Value& primitive) const;
   void tell_variants() const;
 
   const Document& document_;
+  const Selection selection_{document_};
   SceneBuilder& builder_ = document_.builder();
   Buffers buffers_{document_};
   Accessors accessors_{document_, buffers_};
@@ -83,26 +87,35 @@ class SceneReader {
 };
 
 void SceneReader::read() {
-  nodes_ = read_nodes(document_, accessors_);
-  const auto order = nodes_of_scene(document_, nodes_);
+  nodes_ = read_nodes(document_, accessors_, selection_);
+  const auto order = nodes_of_scene(document_, nodes_, selection_);
   for (const std::uint32_t i : order)
     if (nodes_[i].value["mesh"].exists()) ++users_[nodes_[i].value["mesh"].whole()];
+  set_camera(order);
   for (const std::uint32_t i : order) {
-    add_camera(nodes_[i]);
     add_light(nodes_[i]);
     add_mesh(nodes_[i]);
   }
   tell_variants();
 }
 
-void SceneReader::add_camera(const Node& node) {
-  const Value index = node.value["camera"];
-  if (!index.exists()) return;
-  const Value camera = document_.element("cameras", index);
-  if (builder_.has_camera())
-    return document_.warn(camera, "more cameras",
-                          "the scene is seen by its first camera; others are ignored");
-  const PlacedCamera placed = read_camera(camera, node.to_world);
+// A camera has its own name, or else that of its node.
+void SceneReader::set_camera(const std::vector<std::uint32_t>& order) {
+  std::vector<std::pair<Value, Transform>> cameras;
+  std::vector<std::string>& names = builder_.scene().contents.cameras;
+  for (const std::uint32_t i : order) {
+    const Value index = nodes_[i].value["camera"];
+    if (!index.exists()) continue;
+    cameras.emplace_back(document_.element("cameras", index), nodes_[i].to_world);
+    const std::string name = cameras.back().first.text("name");
+    names.push_back(printable(name.empty() ? nodes_[i].value.text("name") : name));
+  }
+  const std::size_t chosen = selected_camera(selection_, names);
+  if (cameras.empty()) return;
+  if (selection_.camera.empty() && cameras.size() > 1)
+    document_.warn(cameras[1].first, "more cameras",
+                   "the scene is seen by its first camera; another one can be chosen (--camera)");
+  const PlacedCamera placed = read_camera(cameras[chosen].first, cameras[chosen].second);
   builder_.set_camera(placed.description);
   if (placed.aspect_ratio > 0) set_image_size(placed.aspect_ratio);
 }
@@ -214,7 +227,7 @@ void SceneReader::add_meshes(const Value& mesh, const std::vector<float>& weight
   const Value primitives = mesh["primitives"];
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     const Value primitive = primitives.at(i);
-    const Materials::Use use = materials_.of_primitive(primitive);
+    const Materials::Use use = materials_.use(material_index_of(primitive));
     auto part = meshes_.read(primitive, use.uv_set, weights, joints);
     if (!part) continue;
     part->mesh.triangle_materials = {use.material};
@@ -224,7 +237,7 @@ void SceneReader::add_meshes(const Value& mesh, const std::vector<float>& weight
 
 void SceneReader::add_part(Part part, const std::string& name, const Transform* to_world,
                            std::optional<std::uint32_t> object) {
-  const Value material = part.primitive["material"];
+  const Value material = material_index_of(part.primitive);
   if (part.has_transparent_colors && material.exists() &&
       is_transparent(document_.element("materials", material)))
     document_.warn(part.primitive, "alpha of colours", "the alpha of vertex colours is ignored");
@@ -237,12 +250,24 @@ void SceneReader::add_part(Part part, const std::string& name, const Transform* 
   if (!added) part.primitive.refuse(added.error().message, added.error().code);
 }
 
+Value SceneReader::material_index_of(const Value& primitive) const {
+  const Value mappings = primitive.extension("KHR_materials_variants")["mappings"];
+  for (std::size_t i = 0; selection_.variant && i < mappings.size(); ++i) {
+    const Value variants = mappings.at(i)["variants"];
+    for (std::size_t k = 0; k < variants.size(); ++k)
+      if (variants.at(k).whole() == *selection_.variant) return mappings.at(i)["material"];
+  }
+  return primitive["material"];
+}
+
 void SceneReader::tell_variants() const {
+  if (selection_.variant) return;
   const Value variants = document_.root().extension("KHR_materials_variants")["variants"];
   if (variants.size() > 0)
-    document_.warn(
-        variants, "variants",
-        fmt::format("has {} variants of materials; the materials without variant are used", variants.size()));
+    document_.warn(variants, "variants",
+                   fmt::format("has {} variants of materials; the materials without variant are used; one "
+                               "can be chosen (--variant)",
+                               variants.size()));
 }
 
 Result<SceneDescription> read_scene(SceneBuilder& builder) {

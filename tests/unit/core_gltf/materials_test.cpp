@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/image/encode.hpp"
 #include "tests/unit/core_gltf/gltf_file.hpp"
 
@@ -156,6 +158,30 @@ TEST(GltfMaterials, OfExtensionsBecomeOpenPbr) {
   EXPECT_NEAR(model.thin_film_thickness.value, 0.5f, 1e-6f);
 }
 
+// Along the direction alpha is mix(0.25, 1, strength^2) = 0.4375, across it 0.25.
+TEST(GltfMaterials, AnisotropyIsARatioOfAlphas) {
+  json material = extension("KHR_materials_anisotropy", {{"anisotropyStrength", 0.5}});
+  material["pbrMetallicRoughness"] = {{"roughnessFactor", 0.5}};
+  const auto even = scene_of(material);
+  const auto expected = [](float along) {
+    const float ratio = 0.25f / along;
+    return std::pair(1 - ratio, std::sqrt(along / std::sqrt(2 / (1 + ratio * ratio))));
+  };
+  EXPECT_FLOAT_EQ(model_of(even).specular_roughness_anisotropy.value, expected(0.4375f).first);
+  EXPECT_FLOAT_EQ(model_of(even).specular_roughness.value, expected(0.4375f).second);
+  EXPECT_EQ(warnings_of(even), "");
+  // The blue of the image, 225 as stored, is a factor of the strength.
+  material["extensions"]["KHR_materials_anisotropy"]["anisotropyTexture"] = texture();
+  const auto textured = scene_of(material);
+  const float strength = 0.5f * 225 / 255, along = 0.25f + 0.75f * strength * strength;
+  const Principled& model = model_of(textured);
+  EXPECT_NEAR(texture_value(textured, model.specular_roughness_anisotropy.texture).r, expected(along).first,
+              5e-3f);
+  EXPECT_NEAR(texture_value(textured, model.specular_roughness.texture).r, expected(along).second, 5e-3f);
+  EXPECT_THAT(warnings_of(textured),
+              HasSubstr("the direction of anisotropy is that of growing u everywhere"));
+}
+
 TEST(GltfMaterials, TransmitAsSheetsWithoutVolume) {
   json material = extension("KHR_materials_transmission", {{"transmissionFactor", 1}});
   material["pbrMetallicRoughness"] = {{"baseColorFactor", {0.5, 1, 1, 1}}};
@@ -203,6 +229,19 @@ TEST(GltfMaterials, SayWhatIsIgnored) {
   ASSERT_TRUE(scene) << scene.error().message;
   EXPECT_THAT(warnings_of(*scene),
               HasSubstr("images[0]: there is no file 'lost.png'; the texture is ignored"));
+}
+
+// EXT_texture_webp names another image, which is read.
+TEST(GltfTextures, CanBeWebp) {
+  GltfFile file = file_with({{"emissiveFactor", {1, 1, 1}}, {"emissiveTexture", texture()}});
+  file.json["extensionsRequired"] = {"EXT_texture_webp"};
+  file.json["images"].push_back(
+      {{"uri", "data:image/webp;base64,UklGRhoAAABXRUJQVlA4TA0AAAAvAAAAEAcQERGIiP4HAA=="}});
+  file.json["textures"][0] = {{"extensions", {{"EXT_texture_webp", {{"source", 1}}}}}};
+  const auto scene = load_file(file);
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(warnings_of(*scene), "");
+  EXPECT_EQ(scene->textures.at(0).image->width(), 1);
 }
 
 // Scales by (2, 3), rotates by a quarter turn, moves by (0.25, 0.5): (u, v) -> (3 v + 0.25, 0.5 - 2 u), v

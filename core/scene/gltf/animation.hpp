@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Animations of nodes at one time (Khronos Group 2021, glTF 2.0 specification, section 3.11 and appendix C).
+// Not thread-safe; functions throw Refusals.
+#pragma once
+
+#include <vector>
+
+#include "core/math/vec3.hpp"
+#include "core/scene/gltf/accessor.hpp"
+#include "core/scene/gltf/document.hpp"
+
+namespace tessera::core::gltf {
+
+// The parameters of a node, as the file gives them or as an animation replaces them.
+struct NodePose {
+  Vec3 translation{0, 0, 0}, scale{1, 1, 1};
+  std::vector<float> rotation{0, 0, 0, 1};  // a quaternion x, y, z, w of any length
+  std::vector<float> matrix{};              // of 16 numbers, or empty
+  std::vector<float> weights{};             // of morph targets
+};
+
+// Replaces parameters of nodes by those that the animation gives them at a time. Before its first keyframe
+// and after its last one, a parameter is constant.
+void apply_animation(const Document& document, Accessors& accessors, const Value& animation, float seconds,
+                     std::vector<NodePose>& poses);
+
+// The time of the last keyframe of all parameters, as the file says: "max" of their times.
+float length_of(const Document& document, const Value& animation);
+
+}  // namespace tessera::core::gltf

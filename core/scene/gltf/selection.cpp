@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/gltf/selection.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "core/scene/import/selection.hpp"
+#include "core/scene/loader/wording.hpp"
+
+namespace tessera::core::gltf {
+namespace {
+
+std::size_t selected(std::string_view what, std::string_view wanted, const std::vector<std::string>& names) {
+  const auto index = find_selected(what, wanted, names);
+  if (!index) throw Refusal{0, index.error(), false};
+  return *index;
+}
+
+std::vector<std::string> names_in(const Value& list) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < list.size(); ++i) names.push_back(printable(list.at(i).text("name")));
+  return names;
+}
+
+std::optional<Value> chosen_of(const Value& list, std::string_view what, const Value& extension) {
+  const std::string wanted = extension.text(what);
+  if (wanted.empty()) return std::nullopt;
+  return list.at(selected(what, wanted, names_in(list)));
+}
+
+std::optional<float> seconds_of(const Value& extension, bool is_animated) {
+  const Value time = extension[kSelectTime];
+  if (!time.exists()) return std::nullopt;
+  if (!is_animated)
+    throw Refusal{
+        0, {ErrorCode::kInvalidArgument, "has no animation of which a time could be chosen"}, false};
+  return time.number();
+}
+
+}  // namespace
+
+Selection::Selection(const Document& document) {
+  const Value root = document.root(), extension = root.extension(kGltfSelection);
+  const Value animations = root["animations"];
+  const Value variants = root.extension("KHR_materials_variants")["variants"];
+  camera = extension.text(kSelectCamera);
+  scene = chosen_of(root["scenes"], kSelectScene, extension);
+  animation = chosen_of(animations, kSelectAnimation, extension);
+  if (!animation && animations.size() > 0) animation = animations.at(0);
+  seconds = seconds_of(extension, animation.has_value());
+  if (const std::string wanted = extension.text(kSelectVariant); !wanted.empty())
+    variant = selected(kSelectVariant, wanted, names_in(variants));
+  SceneContents& contents = document.builder().scene().contents;
+  contents.scenes = names_in(root["scenes"]);
+  contents.variants = names_in(variants);
+}
+
+std::size_t selected_camera(const Selection& selection, const std::vector<std::string>& names) {
+  return selection.camera.empty() ? 0 : selected(kSelectCamera, selection.camera, names);
+}
+
+}  // namespace tessera::core::gltf

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// What of a glTF file is rendered: the extension TESSERA_selection (core/scene/import/selection.hpp), or the
+// file's defaults. Functions throw Refusals: if there is no such thing, they say what there is.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/scene/gltf/document.hpp"
+
+namespace tessera::core::gltf {
+
+struct Selection {
+  explicit Selection(const Document& document);
+
+  std::string camera;          // a name or a number; empty: the first
+  std::optional<Value> scene;  // nullopt: the file's default
+  std::optional<std::size_t> variant;
+  std::optional<Value> animation;  // nullopt: there is none
+  std::optional<float> seconds;    // nullopt: none was chosen, which means the beginning
+};
+
+// Which of the cameras is chosen.
+std::size_t selected_camera(const Selection& selection, const std::vector<std::string>& names);
+
+}  // namespace tessera::core::gltf

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is chosen of a glTF file: cameras, scenes, variants, and the time of an animation.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/scene/loader/parameter_override.hpp"
+#include "tests/unit/core_gltf/gltf_file.hpp"
+
+namespace tessera::core::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+using Overrides = std::vector<ParameterOverride>;
+
+// The scene of the bytes, called `name`, with overrides.
+Result<SceneDescription> load_chosen(const std::string& bytes, const Overrides& overrides,
+                                     const std::string& name = "model.gltf") {
+  MemoryAssets files(MemoryAssets::Files{{name, bytes}});
+  OverriddenAssets assets(files, name, overrides);
+  return load_scene(assets, name, name);
+}
+
+std::string mistake_in_choice(const GltfFile& file, const Overrides& overrides) {
+  const auto scene = load_chosen(file.text(), overrides);
+  return scene ? "no mistake" : scene.error().message;
+}
+
+GltfFile with_two_cameras() {
+  GltfFile file;
+  file.node({{"mesh", file.triangle()}});
+  file.json["cameras"] = {
+      {{"type", "perspective"}, {"name", "Front"}, {"perspective", {{"yfov", 1.0}, {"znear", 0.1}}}},
+      {{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}}};
+  file.node({{"camera", 0}, {"translation", {0, 0, 5}}});
+  file.node({{"camera", 1}, {"name", "Side"}, {"translation", {5, 0, 0}}});
+  return file;
+}
+
+TEST(GltfSelection, OfACameraByNameOrNumber) {
+  const GltfFile file = with_two_cameras();
+  for (const char* side : {"Side", "1"}) {
+    const auto scene = load_chosen(file.text(), {select_by_name("camera", side)});
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_EQ(scene->camera.position, (Vec3{5, 0, 0})) << side;
+    EXPECT_THAT(scene->warnings, IsEmpty());
+    EXPECT_THAT(scene->contents.cameras, ElementsAre("Front", "Side"));
+  }
+  EXPECT_EQ(mistake_in_choice(file, {select_by_name("camera", "Back")}),
+            "model.gltf: there is no camera 'Back'; the file has 0 ('Front'), 1 ('Side')");
+}
+
+TEST(GltfSelection, OfACameraIsWrittenIntoBinaryFiles) {
+  const auto scene = load_chosen(
+      with_two_cameras().binary(),
+      {select_by_name("camera", "Side"), *parse_override("nodes[2].translation=[7,0,0]")}, "model.glb");
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->camera.position, (Vec3{7, 0, 0}));
+}
+
+TEST(GltfSelection, OfAScene) {
+  GltfFile file;
+  const int mesh = file.triangle();
+  file.node({{"mesh", mesh}});
+  file.node({{"mesh", mesh}, {"translation", {9, 0, 0}}});
+  file.json["scenes"] = {{{"name", "near"}, {"nodes", {0}}}, {{"name", "far"}, {"nodes", {1}}}};
+  const auto first = load_chosen(file.text(), {});
+  ASSERT_TRUE(first) << first.error().message;
+  EXPECT_EQ(mesh_of(*first).positions[0], (Vec3{0, 0, 0}));
+  EXPECT_THAT(warnings_of(*first), HasSubstr("of 2 scenes, only scenes[0] (near) is rendered"));
+  const auto far = load_chosen(file.text(), {select_by_name("scene", "far")});
+  ASSERT_TRUE(far) << far.error().message;
+  EXPECT_EQ(mesh_of(*far).positions[0], (Vec3{9, 0, 0}));
+  EXPECT_THAT(far->warnings, IsEmpty());
+}
+
+TEST(GltfSelection, OfAVariant) {
+  GltfFile file;
+  file.json["materials"] = {{{"name", "plain"}}, {{"name", "red"}}, {{"name", "blue"}}};
+  file.node({{"mesh", file.triangle(0)}});
+  file.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "Red"}}, {{"name", "Blue"}}};
+  file.json["meshes"][0]["primitives"][0]["extensions"]["KHR_materials_variants"]["mappings"] = {
+      {{"material", 1}, {"variants", {0}}}, {{"material", 2}, {"variants", {1}}}};
+  const auto material_of = [&](const Overrides& overrides) {
+    const auto scene = load_chosen(file.text(), overrides);
+    return scene ? scene->materials[mesh_of(*scene).triangle_materials[0]].name : scene.error().message;
+  };
+  EXPECT_EQ(material_of({}), "plain");
+  EXPECT_EQ(material_of({select_by_name("variant", "Blue")}), "blue");
+  EXPECT_EQ(material_of({select_by_name("variant", "0")}), "red");
+  EXPECT_EQ(material_of({select_by_name("variant", "Green")}),
+            "model.gltf: there is no variant 'Green'; the file has 0 ('Red'), 1 ('Blue')");
+}
+
+// A triangle whose node has one animated parameter.
+GltfFile animated(const char* path, const char* interpolation, const char* type,
+                  const std::vector<float>& times, const std::vector<float>& values) {
+  GltfFile file;
+  file.node({{"mesh", file.triangle()}});
+  const int input = file.floats("SCALAR", times), output = file.floats(type, values);
+  file.json["accessors"][static_cast<std::size_t>(input)]["max"] = {times.back()};
+  file.json["animations"] = {
+      {{"name", "Move"},
+       {"samplers", {{{"input", input}, {"output", output}, {"interpolation", interpolation}}}},
+       {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", path}}}}}}}};
+  return file;
+}
+
+// The second corner of the triangle, which is (1, 0, 0) at rest.
+Vec3 corner_at(const GltfFile& file, double seconds) {
+  const auto scene = load_chosen(file.text(), {select_time(seconds)});
+  EXPECT_TRUE(scene) << scene.error().message;
+  return scene ? mesh_of(*scene).positions[1] : Vec3{};
+}
+
+TEST(GltfAnimation, MovesNodesAtATime) {
+  const std::vector<float> times{1, 3}, values{0, 0, 0, 4, 0, 8};
+  const GltfFile linear = animated("translation", "LINEAR", "VEC3", times, values);
+  EXPECT_EQ(corner_at(linear, 0), (Vec3{1, 0, 0}));
+  EXPECT_EQ(corner_at(linear, 1.5), (Vec3{2, 0, 2}));
+  EXPECT_EQ(corner_at(linear, 3), (Vec3{5, 0, 8}));
+  EXPECT_EQ(corner_at(linear, 99), (Vec3{5, 0, 8}));
+  const GltfFile step = animated("translation", "STEP", "VEC3", times, values);
+  EXPECT_EQ(corner_at(step, 2.9), (Vec3{1, 0, 0}));
+  EXPECT_EQ(corner_at(step, 3), (Vec3{5, 0, 8}));
+}
+
+// With the slope 1 of x at both keyframes, and their values on that line, the spline is the line. y has the
+// slope 2 at the first one alone: 2 s (1 - s / 2)^2 at s seconds.
+TEST(GltfAnimation, FollowsCubicSplines) {
+  const GltfFile file = animated("translation", "CUBICSPLINE", "VEC3", {0, 2},
+                                 {9, 9, 9, 0, 0, 0, 1, 2, 0, 1, 0, 0, 2, 0, 0, 9, 9, 9});
+  EXPECT_EQ(corner_at(file, 0), (Vec3{1, 0, 0}));
+  EXPECT_EQ(corner_at(file, 0.5), (Vec3{1.5f, 0.5625f, 0}));
+  EXPECT_EQ(corner_at(file, 1), (Vec3{2, 0.5f, 0}));
+  EXPECT_EQ(corner_at(file, 2), (Vec3{3, 0, 0}));
+}
+
+TEST(GltfAnimation, TurnsNodesAtConstantSpeed) {
+  const float half = std::sqrt(0.5f);  // a quarter of a turn about +z
+  const GltfFile file = animated("rotation", "LINEAR", "VEC4", {0, 1}, {0, 0, 0, 1, 0, 0, half, half});
+  const Vec3 corner = corner_at(file, 1.0 / 3);
+  EXPECT_NEAR(corner.x, std::sqrt(0.75f), 1e-6f);
+  EXPECT_NEAR(corner.y, 0.5f, 1e-6f);
+}
+
+TEST(GltfAnimation, MorphsMeshes) {
+  GltfFile file = animated("weights", "LINEAR", "SCALAR", {0, 1}, {0, 0, 1, 2});
+  const int first = file.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 0, 0}),
+            second = file.floats("VEC3", {0, 0, 0, 0, 1, 0, 0, 0, 0});
+  file.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", first}}, {{"POSITION", second}}};
+  EXPECT_EQ(corner_at(file, 0.5), (Vec3{1.5f, 1, 0}));
+  EXPECT_EQ(corner_at(file, 1), (Vec3{2, 2, 0}));
+}
+
+TEST(GltfAnimation, MovesTheJointsOfSkins) {
+  GltfFile file = animated("translation", "LINEAR", "VEC3", {0, 1}, {0, 0, 0, 0, 6, 0});
+  file.json["animations"][0]["channels"][0]["target"]["node"] = 1;
+  file.node({{"name", "joint"}});
+  file.json["skins"] = {{{"joints", {1}}}};
+  file.json["nodes"][0]["skin"] = 0;
+  auto& attributes = file.json["meshes"][0]["primitives"][0]["attributes"];
+  attributes["JOINTS_0"] = file.accessor(file.view(std::string(12, '\0')), 5121, "VEC4", 3);
+  attributes["WEIGHTS_0"] = file.floats("VEC4", {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  EXPECT_EQ(corner_at(file, 0.5), (Vec3{1, 3, 0}));
+}
+
+TEST(GltfAnimation, IsListedAndChosen) {
+  GltfFile file = animated("translation", "LINEAR", "VEC3", {0, 2.5f}, {0, 0, 0, 4, 0, 8});
+  auto other = file.json["animations"][0];
+  other["name"] = "Stay";
+  other["channels"] = nlohmann::json::array();
+  file.json["animations"].push_back(other);
+  const auto scene = load_chosen(file.text(), {select_by_name("animation", "Stay"), select_time(1)});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(mesh_of(*scene).positions[1], (Vec3{1, 0, 0}));
+  EXPECT_THAT(scene->warnings, IsEmpty());
+  ASSERT_EQ(scene->contents.animations.size(), 2u);
+  EXPECT_EQ(scene->contents.animations[0].name, "Move");
+  EXPECT_EQ(scene->contents.animations[0].seconds, 2.5f);
+  GltfFile still;
+  still.node({{"mesh", still.triangle()}});
+  EXPECT_EQ(mistake_in_choice(still, {select_time(1)}),
+            "model.gltf: has no animation of which a time could be chosen");
+}
+
+// Damaged keyframes give an error or some pose, and no crash.
+TEST(GltfAnimation, SurvivesDamage) {
+  GltfFile file = animated("weights", "CUBICSPLINE", "SCALAR", {0, std::nanf(""), -1}, {0, 0, 1});
+  EXPECT_TRUE(load_chosen(file.text(), {select_time(1)}));
+  file = animated("translation", "CUBICSPLINE", "VEC3", {0, 1}, {0, 0, 0});
+  const auto scene = load_chosen(file.text(), {select_time(1)});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_THAT(warnings_of(*scene), HasSubstr("has no keyframes; it is ignored"));
+  file.json["animations"][0]["samplers"][0]["input"] = 77;
+  EXPECT_THAT(mistake_in_choice(file, {select_time(1)}), HasSubstr("there is no accessors[77]"));
+}
+
+TEST(Selection, IsRefusedWhereThereIsNothingToChoose) {
+  const auto mistake = [](const char* name, const char* text, const ParameterOverride& wanted) {
+    const auto scene = load_chosen(text, {wanted}, name);
+    return scene ? "no mistake" : scene.error().message;
+  };
+  EXPECT_THAT(mistake("a.pbrt", "WorldBegin", select_by_name("camera", "0")),
+              HasSubstr("'a.pbrt' has nothing that --camera can choose; glTF and Mitsuba files have"));
+  EXPECT_THAT(mistake("a.json", "{}", select_time(1)), HasSubstr("nothing that --animation-time can choose"));
+  EXPECT_THAT(mistake("a.xml", "<scene/>", select_by_name("variant", "0")),
+              HasSubstr("nothing that --variant can choose; glTF files have"));
+}
+
+}  // namespace
+}  // namespace tessera::core::test
