@@ -90,7 +90,7 @@ int EnvironmentMap::height() const {
   return std::min(height, kMaxHeight);
 }
 
-TextureImage EnvironmentMap::resampled() const {
+TextureImage EnvironmentMap::equirectangular() const {
   const int rows = height(), columns = 2 * rows;
   // Fine images have fewer samples in a pixel, with about as many for each pixel of theirs.
   const int samples = rows > 1024 ? kSamplesAlongSide / 2 : kSamplesAlongSide;
@@ -118,7 +118,7 @@ Status EnvironmentMap::finish(SceneBuilder& builder) const {
   EnvironmentDescription environment;
   environment.radiance = {constant_, -1};
   if (!layers_.empty()) {
-    auto image = builder.image_pixels("the infinite light", resampled());
+    auto image = builder.image_pixels("the infinite light", equirectangular());
     if (!image) return fail(image.error());
     Texture texture;
     texture.image = std::move(*image);

@@ -29,6 +29,8 @@ class EnvironmentMap {
   // with its pole along +z. `scale` multiplies the image.
   void add_image(std::shared_ptr<const TextureImage> image, const Matrix& from_world, Rgb scale);
 
+  // The sum of all, in the world's directions. There must be an image.
+  TextureImage equirectangular() const;
   // Sets the environment of the scene, if there is one. RESOURCE_EXHAUSTED beyond the limits on textures.
   Status finish(SceneBuilder& builder) const;
 
@@ -41,7 +43,6 @@ class EnvironmentMap {
     Rgb radiance(Vec3 direction) const;
   };
 
-  TextureImage resampled() const;
   int height() const;
 
   Rgb constant_{};

@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/scene/pbrt/animated_matrix.hpp"
 #include "core/scene/pbrt/lights.hpp"
-#include "core/scene/pbrt/matrix.hpp"
 #include "core/scene/pbrt/parameters.hpp"
 
 namespace tessera::core::pbrt {
@@ -27,8 +27,8 @@ inline std::optional<AttributeTarget> attribute_target(std::string_view name) {
 }
 
 struct GraphicsState {
-  Matrix transform{};           // at the start of the shutter interval
-  bool is_start_active = true;  // ActiveTransform: whether directives change `transform`
+  AnimatedMatrix transform{};
+  bool is_start_active = true, is_end_active = true;  // ActiveTransform: which of them directives change
   bool reverse_orientation = false;
   std::optional<int> material{};  // of Materials; nullopt: the default
   std::shared_ptr<const AreaLight> area_light{};

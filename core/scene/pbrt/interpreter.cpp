@@ -220,12 +220,11 @@ Status Interpreter::accelerator(File& file) {
 
 Status Interpreter::camera(File& file) {
   if (auto read = read_setting(file, view_.camera); !read) return read;
-  const auto world_from_camera = inverse(state_.transform);
-  if (!world_from_camera)
-    return report_.error(place(file), "the transformation of the camera has no inverse");
+  const auto start = inverse(state_.transform.start), end = inverse(state_.transform.end);
+  if (!start || !end) return report_.error(place(file), "the transformation of the camera has no inverse");
   if (in_world_) return {};
-  view_.world_from_camera = *world_from_camera;
-  coordinate_systems_["camera"] = *world_from_camera;
+  view_.world_from_camera = {*start, *end};
+  coordinate_systems_["camera"] = view_.world_from_camera;
   camera_medium_ = state_.outside_medium;
   camera_medium_place_ = place(file);
   return {};
@@ -273,8 +272,9 @@ Status Interpreter::color_space(File& file) {
 
 Status Interpreter::world_begin(File& file) {
   if (in_world_) return report_.error(place(file), "WorldBegin appears twice");
-  state_.transform = Matrix();
-  coordinate_systems_["world"] = Matrix();
+  state_.transform = {};
+  coordinate_systems_["world"] = {};
+  state_.is_start_active = state_.is_end_active = true;
   return start_world();
 }
 
@@ -317,6 +317,7 @@ Status Interpreter::pop_state(const File& file, bool is_attribute) {
   } else {
     state_.transform = saved.transform;
     state_.is_start_active = saved.is_start_active;
+    state_.is_end_active = saved.is_end_active;
   }
   saved_.pop_back();
   return {};
@@ -353,120 +354,6 @@ Status Interpreter::attribute(File& file) {
 
 Status Interpreter::reverse_orientation(File&) {
   state_.reverse_orientation = !state_.reverse_orientation;
-  return {};
-}
-
-// --- Transformations
-
-void Interpreter::set_transform(const Matrix& matrix) {
-  if (state_.is_start_active) state_.transform = matrix;
-}
-
-void Interpreter::apply(const Matrix& matrix) {
-  set_transform(state_.transform * matrix);
-}
-
-Status Interpreter::active_transform(File& file) {
-  const auto token = file.tokens.next();
-  if (!token) return at(file, token.error());
-  if (token->text != "All" && token->text != "StartTime" && token->text != "EndTime")
-    return report_.error(place(file),
-                         fmt::format("expected All, StartTime or EndTime, got {}", in_quotes(token->text)));
-  state_.is_start_active = token->text != "EndTime";
-  if (token->text != "All")
-    report_.warn(place(file),
-                 "motion blur is not supported; the scene is that of the start of the shutter interval");
-  return {};
-}
-
-Status Interpreter::transform_times(File& file) {
-  if (const auto times = numbers(file, 2); !times) return fail(times.error());
-  return {};
-}
-
-// Sixteen numbers, column by column.
-Result<Matrix> Interpreter::matrix_argument(File& file) {
-  const auto given = numbers(file, 16);
-  if (!given) return fail(given.error());
-  const std::vector<float>& m = *given;
-  Matrix matrix;
-  for (std::size_t row = 0; row < 3; ++row)
-    for (std::size_t column = 0; column < 4; ++column)
-      matrix.rows[row][column] = static_cast<double>(m[4 * column + row]);
-  if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
-    report_.warn(place(file), "the fourth row of a transformation is not 0 0 0 1; it is ignored");
-  return matrix;
-}
-
-Status Interpreter::transform_directive(File& file) {
-  const auto matrix = matrix_argument(file);
-  if (!matrix) return fail(matrix.error());
-  set_transform(*matrix);
-  return {};
-}
-
-Status Interpreter::concat_transform(File& file) {
-  const auto matrix = matrix_argument(file);
-  if (!matrix) return fail(matrix.error());
-  apply(*matrix);
-  return {};
-}
-
-Status Interpreter::identity(File&) {
-  set_transform(Matrix());
-  return {};
-}
-
-Status Interpreter::translate_directive(File& file) {
-  const auto v = numbers(file, 3);
-  if (!v) return fail(v.error());
-  apply(translate(static_cast<double>((*v)[0]), static_cast<double>((*v)[1]), static_cast<double>((*v)[2])));
-  return {};
-}
-
-Status Interpreter::scale_directive(File& file) {
-  const auto v = numbers(file, 3);
-  if (!v) return fail(v.error());
-  apply(scale(static_cast<double>((*v)[0]), static_cast<double>((*v)[1]), static_cast<double>((*v)[2])));
-  return {};
-}
-
-Status Interpreter::rotate_directive(File& file) {
-  const auto v = numbers(file, 4);
-  if (!v) return fail(v.error());
-  apply(rotate(static_cast<double>((*v)[0]), {(*v)[1], (*v)[2], (*v)[3]}));
-  return {};
-}
-
-Status Interpreter::look_at_directive(File& file) {
-  const auto v = numbers(file, 9);
-  if (!v) return fail(v.error());
-  const std::vector<float>& n = *v;
-  const auto camera_from_world = look_at({n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]});
-  if (!camera_from_world)
-    return report_.error(place(file),
-                         "LookAt needs two different points and a vector that is not parallel to their line");
-  apply(*camera_from_world);
-  return {};
-}
-
-Status Interpreter::coordinate_system(File& file) {
-  auto name = text(file);
-  if (!name) return fail(name.error());
-  coordinate_systems_[std::move(*name)] = state_.transform;
-  return {};
-}
-
-Status Interpreter::coord_sys_transform(File& file) {
-  const auto name = text(file);
-  if (!name) return fail(name.error());
-  const auto known = coordinate_systems_.find(*name);
-  if (known == coordinate_systems_.end()) {
-    report_.warn(place(file), fmt::format("the coordinate system {} is not known; the transformation stays",
-                                          in_quotes(*name)));
-    return {};
-  }
-  set_transform(known->second);
   return {};
 }
 

@@ -107,7 +107,13 @@ class Interpreter {
   Status push_state(const File& file, bool is_attribute);
   Status pop_state(const File& file, bool is_attribute);
   void apply(const Matrix& matrix);
-  void set_transform(const Matrix& matrix);
+  void set_transform(const AnimatedMatrix& matrix);
+  // The transformation of what does not move; `what` is as in "the light".
+  const Matrix& still_transform(const Place& place, std::string_view what) const;
+  // The motion of what stands here; nullopt if it does not move, or cannot.
+  std::optional<std::vector<MotionStep>> motion_here(const Place& place);
+  // Adds an instance that moves.
+  void add_moving(std::uint32_t object, std::vector<MotionStep> steps, std::string name);
   Result<Matrix> matrix_argument(File& file);
   Status read_setting(File& file, std::optional<KindAndParameters>& setting);
   Status start_world();
@@ -130,7 +136,7 @@ class Interpreter {
     bool is_attribute;
   };
   std::vector<SavedState> saved_;
-  std::map<std::string, Matrix> coordinate_systems_;
+  std::map<std::string, AnimatedMatrix> coordinate_systems_;
   std::map<std::string, std::uint32_t> objects_;
   std::optional<std::uint32_t> object_;  // that is being defined
   ViewDirectives view_;

@@ -62,7 +62,7 @@ Status Interpreter::make_named_medium(File& file) {
   if (!name) return fail(name.error());
   const auto given = parameters(file, AttributeTarget::kMedium);
   if (!given) return fail(given.error());
-  media_.define(*name, *given, state_.transform);
+  media_.define(*name, *given, still_transform(place(file), "the medium"));
   return {};
 }
 
@@ -92,7 +92,7 @@ Status Interpreter::light_source(File& file) {
   if (!kind) return fail(kind.error());
   const auto given = parameters(file, AttributeTarget::kLight);
   if (!given) return fail(given.error());
-  return lights_.add(*kind, *given, state_.transform);
+  return lights_.add(*kind, *given, still_transform(place(file), "the light"));
 }
 
 Status Interpreter::area_light_source(File& file) {
@@ -114,7 +114,7 @@ Status Interpreter::shape(File& file) {
   if (!in_world_) return report_.error(place(file), "a shape comes before WorldBegin");
   ShapePlacement placement;
   placement.object = object_;
-  placement.to_world = state_.transform;
+  placement.to_world = state_.transform.start;
   placement.reverse_orientation = state_.reverse_orientation;
   placement.surface.material = state_.material ? *state_.material : materials_.default_material();
   placement.surface.media = media_here(place(file));
@@ -123,6 +123,13 @@ Status Interpreter::shape(File& file) {
     report_.warn(place(file), "shapes of objects do not emit, as in pbrt; the area light is ignored");
     placement.surface.light = nullptr;
   }
+  if (object_) placement.to_world = still_transform(place(file), "a shape of an object");
+  auto motion = object_ ? std::nullopt : motion_here(place(file));
+  if (!motion) return shapes_.add(*kind, *given, std::move(placement));
+  const std::string name = fmt::format("shape in line {}", file.line);
+  placement.object = builder_.add_object(name);
+  placement.to_world = {};
+  add_moving(*placement.object, *std::move(motion), name);
   return shapes_.add(*kind, *given, std::move(placement));
 }
 
@@ -152,8 +159,13 @@ Status Interpreter::object_instance(File& file) {
     report_.warn(place(file), "unknown object",
                  fmt::format("there is no object {}; it is left out", in_quotes(*name)));
   } else {
-    builder_.add_instance(object->second, state_.transform.transform(),
-                          fmt::format("instance in line {}", file.line));
+    auto motion = motion_here(place(file));
+    std::string shown = fmt::format("instance in line {}", file.line);
+    if (motion) {
+      add_moving(object->second, *std::move(motion), std::move(shown));
+    } else {
+      builder_.add_instance(object->second, state_.transform.start.transform(), std::move(shown));
+    }
   }
   return {};
 }

@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "core/math/elementary.hpp"
 #include "core/scene/loader/wording.hpp"
@@ -24,6 +27,39 @@ float cosine_of_degrees(float degrees) {
 float spot_solid_angle(float outer_degrees, float inner_degrees) {
   const float end = cosine_of_degrees(outer_degrees), start = cosine_of_degrees(inner_degrees);
   return 2 * kPi * ((1 - start) + (start - end) / 2);
+}
+
+// Each texel is the mean of its channels.
+TextureImage gray_of(const TextureImage& image) {
+  std::vector<float> values;
+  values.reserve(static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height()) * 3);
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x) values.insert(values.end(), 3, mean(image.texel(x, y)));
+  return TextureImage(image.width(), image.height(), std::move(values));
+}
+
+// The full angle, in degrees, of a cone around an image with these half sides at a distance of 1.
+float full_cone(float across, float upward) {
+  constexpr float kMargin = 1.0001f;
+  const float half = atan2(std::sqrt(across * across + upward * upward), 1.0f) * (180 / kPi);
+  return std::min(180.0f, 2 * half * kMargin);
+}
+
+// The luminous power of a light that projects the image with an intensity of 1 times its texels.
+double projected_luminance(const TextureImage& image, float across, float upward) {
+  double sum = 0;
+  const auto place = [](int texel, int texels) {
+    return 2 * (static_cast<double>(texel) + 0.5) / texels - 1;
+  };
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x) {
+      const double a = place(x, image.width()) * static_cast<double>(across),
+                   b = place(y, image.height()) * static_cast<double>(upward);
+      const double distance2 = 1 + a * a + b * b;
+      sum += static_cast<double>(luminance(image.texel(x, y))) / (distance2 * std::sqrt(distance2));
+    }
+  const double area = 4 * static_cast<double>(across) * static_cast<double>(upward);
+  return sum * area / (static_cast<double>(image.width()) * image.height());
 }
 
 Rgb finite_light(Rgb color) {
@@ -136,45 +172,76 @@ Result<std::optional<SceneBuilder::Image>> Lights::image(const Parameters& p, co
   return std::nullopt;
 }
 
-Result<Rgb> Lights::mean_of_image(const Parameters& p, const std::string& file) {
-  if (file.empty()) return Rgb::gray(1);
-  auto given = image(p, file);
-  if (!given) return fail(given.error());
-  return *given ? (**given)->mean() : Rgb::gray(1);
-}
-
+// The image maps to the sphere by equal areas; the light's y and z axes are exchanged.
 Status Lights::add_goniometric(const Parameters& p, const Matrix& to_world) {
   const std::string file = p.text("filename");
-  auto mean_value = mean_of_image(p, file);
-  if (!mean_value) return fail(mean_value.error());
-  report_.warn(
-      p.place(),
-      "the distribution of a goniometric light is not supported; it emits equally in all directions");
   PointLightDescription light;
   light.position = to_world.point(p.vector("from", {}));
+  light.intensity = emitted(p, "I");
   const float power = p.number("power", -1);
-  const float share = power > 0 ? power / (4 * kPi) : mean(*mean_value);
-  light.intensity = finite_light(emitted(p, "I") * share);
+  float mean_value = 1;
+  if (!file.empty()) {
+    auto given = image(p, file);
+    if (!given) return fail(given.error());
+    Matrix swapped;
+    swapped.rows = {{{1, 0, 0, 0}, {0, 0, 1, 0}, {0, 1, 0, 0}}};
+    if (const auto from_world = inverse(to_world * swapped); *given && from_world) {
+      const auto gray = std::make_shared<const TextureImage>(gray_of(***given));
+      mean_value = gray->mean().r;
+      EnvironmentMap map;
+      map.add_image(gray, *from_world, Rgb::gray(1));
+      auto pixels = builder_.image_pixels("the light of " + file, map.equirectangular());
+      if (!pixels) return fail(pixels.error());
+      Texture texture;
+      texture.image = std::move(*pixels);
+      light.texture = builder_.add_texture(texture);
+    }
+  }
+  if (power > 0 && mean_value > 0)
+    light.intensity = finite_light(light.intensity * (power / (4 * kPi * mean_value)));
   builder_.add_light(light);
   return {};
 }
 
+// The angle of view is that of the shorter side.
 Status Lights::add_projection(const Parameters& p, const Matrix& to_world) {
-  auto mean_value = mean_of_image(p, p.text("filename"));
-  if (!mean_value) return fail(mean_value.error());
-  report_.warn(p.place(),
-               "the image of a projection light is not supported; a spot light of its mean is used");
+  const std::string file = p.text("filename");
+  SceneBuilder::Image slide;
+  if (file.empty()) {
+    report_.warn(p.place(), "a projection light without an image projects white");
+  } else {
+    auto given = image(p, file);
+    if (!given) return fail(given.error());
+    slide = given->value_or(nullptr);
+  }
+  if (!slide) {
+    auto white = builder_.image_pixels("white", TextureImage(1, 1, std::vector<float>{1, 1, 1}));
+    if (!white) return fail(white.error());
+    slide = std::move(*white);
+  }
+  const Vec3 ahead = to_world.direction({0, 0, 1}), right = to_world.direction({1, 0, 0}),
+             up = to_world.direction({0, 1, 0});
   SpotLightDescription light;
   light.position = to_world.point({});
-  light.look_at = to_world.point({0, 0, 1});
-  const float fov = std::clamp(p.number("fov", 90), 0.1f, 179.0f);
-  // A cone as wide as a square image in its middle and at its corners.
-  light.angle_degrees = fov;
+  light.look_at = light.position + normalize(ahead);
+  light.intensity = emitted(p, "I");
+  const float aspect = static_cast<float>(slide->width()) / static_cast<float>(slide->height());
+  const SinCos half = sin_cos_turns(std::clamp(p.number("fov", 90), 0.1f, 179.0f) / 720);
+  const float shorter = half.sin / half.cos;
+  const float across = shorter * std::max(1.0f, aspect), upward = shorter * std::max(1.0f, 1 / aspect);
+  light.angle_degrees = full_cone(across, upward);
   light.softness = 0;
-  light.intensity = finite_light(emitted(p, "I") * *mean_value);
+  light.image.right = normalize(right) * across;
+  light.image.up = normalize(up) * upward;
   if (const float power = p.number("power", -1); power > 0)
-    light.intensity = finite_light(emitted(p, "I") * (power / spot_solid_angle(fov / 2, fov / 2)));
-  if (light.position != light.look_at) builder_.add_light(light);
+    if (const double own = projected_luminance(*slide, across, upward); own > 0)
+      light.intensity = finite_light(light.intensity * static_cast<float>(static_cast<double>(power) / own));
+  Texture texture;
+  texture.image = std::move(slide);
+  texture.wrap = Wrap::kClamp;
+  light.image.texture = builder_.add_texture(texture);
+  const bool has_area = length_squared(light.image.right) > 0 && length_squared(light.image.up) > 0;
+  if (has_area && is_finite(light.look_at) && light.position != light.look_at) builder_.add_light(light);
   return {};
 }
 

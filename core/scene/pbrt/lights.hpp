@@ -53,8 +53,6 @@ class Lights {
   Status add_projection(const Parameters& p, const Matrix& to_world);
   Status add_infinite(const Parameters& p, const Matrix& to_world);
   Status add_infinite_image(const Parameters& p, const std::string& file, const Matrix& to_world);
-  // The mean of an image; gray of 1 if it cannot be read.
-  Result<Rgb> mean_of_image(const Parameters& p, const std::string& file);
   Result<std::optional<SceneBuilder::Image>> image(const Parameters& p, const std::string& file);
   Rgb emitted(const Parameters& p, std::string_view name);
 

@@ -38,22 +38,6 @@ Rgb diffuse_reflectance(Rgb absorption, Rgb scattering, float index) {
           channel(absorption.b, scattering.b)};
 }
 
-// Absorption of hair by concentrations of pigments (d'Eon et al. 2011; figures of pbrt's hair material).
-Rgb hair_absorption(float eumelanin, float pheomelanin) {
-  return Rgb{0.419f, 0.697f, 1.37f} * eumelanin + Rgb{0.187f, 0.4f, 1.05f} * pheomelanin;
-}
-
-// The colour of a fibre of this absorption at an azimuthal roughness (Chiang et al. 2016, eq. 9, inverted).
-Rgb hair_color(Rgb absorption, float roughness) {
-  const float b = roughness, b2 = b * b, b3 = b2 * b;
-  const float denominator =
-      5.969f - 0.215f * b + 2.532f * b2 - 10.73f * b3 + 5.574f * b2 * b2 + 0.245f * b2 * b3;
-  const auto channel = [denominator](float sigma) {
-    return static_cast<float>(exp(-static_cast<double>(std::sqrt(std::max(sigma, 0.0f)) * denominator)));
-  };
-  return {channel(absorption.r), channel(absorption.g), channel(absorption.b)};
-}
-
 bool is_textured_parameter(const ColorParameter& p) {
   return p.texture >= 0;
 }
@@ -230,6 +214,7 @@ Materials::Model Materials::coated_diffuse(const Parameters& p) {
   plastic.ior = index_of_refraction(p, "eta", 1.5f);
   plastic.roughness = rough->value;
   plastic.nonlinear = true;
+  plastic.compensated = false;
   // Without scattering between the layers their distance has little effect.
   const Rgb albedo = colors_.color(p, "albedo", SpectrumRole::kAlbedo, {});
   p.find("thickness"), p.find("g");
@@ -301,6 +286,7 @@ Materials::Model Materials::dielectric(const Parameters& p) {
 Materials::Model Materials::thin_dielectric(const Parameters& p) {
   ThinDielectric sheet;
   sheet.ior = index_of_refraction(p, "eta", 1.5f);
+  report_.warn(p.place(), "crossings of the material 'thindielectric' do not count for \"maxdepth\"");
   return sheet;
 }
 
@@ -342,24 +328,39 @@ Materials::Model Materials::subsurface(const Parameters& p) {
 }
 
 Materials::Model Materials::hair(const Parameters& p) {
-  report_.warn(p.place(),
-               "the material 'hair' is not supported; a rough coated surface of its colour is used");
-  for (const char* ignored : {"alpha", "beta_m"}) p.find(ignored);
-  Plastic plastic;
-  plastic.ior = index_of_refraction(p, "eta", 1.55f);
-  plastic.roughness = 0.5f;
-  const float beta_n = std::clamp(p.number("beta_n", 0.3f), 0.0f, 1.0f);
-  if (!p.has("sigma_a") && (p.has("color") || p.has("reflectance"))) {
-    auto given = color(p, p.has("color") ? "color" : "reflectance", Rgb::gray(0.5f));
+  Hair hair;
+  const auto number = [&](std::string_view name, float otherwise, float most) -> Result<ScalarParameter> {
+    return baker_.scalar(textures_.number(p, name, otherwise), most, p.place_of(p.find(name)));
+  };
+  const bool has_melanin = p.has("eumelanin") || p.has("pheomelanin");
+  // More makes no light visible.
+  constexpr float kMaxMelanin = 1000, kMaxAbsorption = 100;
+  auto eumelanin = number("eumelanin", has_melanin ? 0.0f : 1.3f, kMaxMelanin);
+  auto pheomelanin = number("pheomelanin", 0, kMaxMelanin);
+  auto beta_m = number("beta_m", 0.3f, 1), beta_n = number("beta_n", 0.3f, 1);
+  for (const auto* read : {&eumelanin, &pheomelanin, &beta_m, &beta_n})
+    if (!*read) return fail(read->error());
+  hair.eumelanin = *eumelanin;
+  hair.pheomelanin = *pheomelanin;
+  hair.beta_m = *beta_m;
+  hair.beta_n = *beta_n;
+  hair.ior = index_of_refraction(p, "eta", 1.55f);
+  hair.tilt_degrees = std::clamp(p.number("alpha", 2), -kMaxHairTiltDegrees, kMaxHairTiltDegrees);
+  for (const char* name : {"color", "reflectance"}) {
+    if (!p.has(name)) continue;
+    auto given = color(p, name, Rgb::gray(0.5f));
     if (!given) return fail(given.error());
-    plastic.diffuse = *given;
-    return plastic;
+    hair.reflectance = *given;
+    hair.pigment = HairPigment::kReflectance;
   }
-  const bool has_pigments = p.has("eumelanin") || p.has("pheomelanin");
-  const Rgb pigments =
-      hair_absorption(p.number("eumelanin", has_pigments ? 0 : 1.3f), p.number("pheomelanin", 0));
-  plastic.diffuse = {hair_color(colors_.color(p, "sigma_a", SpectrumRole::kUnbounded, pigments), beta_n), -1};
-  return plastic;
+  if (p.has("sigma_a")) {
+    auto given = baker_.color(textures_.color(p, "sigma_a", SpectrumRole::kUnbounded, Rgb{}), kMaxAbsorption,
+                              p.place_of(p.find("sigma_a")));
+    if (!given) return fail(given.error());
+    hair.sigma_a = *given;
+    hair.pigment = HairPigment::kAbsorption;
+  }
+  return hair;
 }
 
 // The scene's material that is a part of a mixture.

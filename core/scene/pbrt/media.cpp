@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/scene/loader/wording.hpp"
+#include "core/scene/pbrt/measured_media.hpp"
 
 namespace tessera::core::pbrt {
 namespace {
@@ -62,16 +63,18 @@ int Media::find(const std::string& name, const Place& place) const {
   return kNoMedium;
 }
 
-// Coefficients are per unit of length; the defaults are those of a fluid in millimetres.
+// Coefficients are per unit of length; measured ones and the defaults are those for millimetres.
 void Media::read_common(const Parameters& p, MediumDescription& medium) {
   const std::string preset = p.text("preset");
-  if (!preset.empty())
+  const MeasuredMedium* measured = find_measured_medium(preset);
+  if (!preset.empty() && measured == nullptr)
     report_.warn(
         p.place(), "medium preset",
-        fmt::format("the medium {} is not known; coefficients of skim milk are used", in_quotes(preset)));
-  medium.sigma_a =
-      coefficients(colors_.color(p, "sigma_a", SpectrumRole::kUnbounded, {0.0011f, 0.0024f, 0.014f}));
-  medium.sigma_s = coefficients(colors_.color(p, "sigma_s", SpectrumRole::kUnbounded, {2.55f, 3.21f, 3.77f}));
+        fmt::format("the medium {} is not known; coefficients of whole milk are used", in_quotes(preset)));
+  const MeasuredMedium& milk = *find_measured_medium("Wholemilk");
+  medium.sigma_a = coefficients(colors_.color(p, "sigma_a", SpectrumRole::kUnbounded, milk.sigma_a));
+  medium.sigma_s = coefficients(colors_.color(p, "sigma_s", SpectrumRole::kUnbounded, milk.sigma_s));
+  if (measured != nullptr) medium.sigma_a = measured->sigma_a, medium.sigma_s = measured->sigma_s;
   medium.scale = coefficient(p.number("scale", 1));
   medium.g = std::clamp(p.number("g", 0), -kMaxAsymmetry, kMaxAsymmetry);
   if (p.has("Le")) {

@@ -9,8 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/math/elementary.hpp"
 #include "core/scene/loader/mesh_file.hpp"
 #include "core/scene/loader/wording.hpp"
+#include "core/scene/pbrt/curves.hpp"
 #include "core/scene/pbrt/files.hpp"
 #include "core/scene/pbrt/loop_subdivision.hpp"
 #include "core/scene/pbrt/tessellation.hpp"
@@ -138,6 +140,8 @@ Status Shapes::add(const std::string& kind, const Parameters& p, ShapePlacement 
     added = add_ply(p, placement);
   } else if (kind == "bilinearmesh") {
     added = add_patches(p, placement);
+  } else if (kind == "curve") {
+    added = add_curve(p, placement);
   } else if (kind == "loopsubdiv") {
     added = add_subdivision(p, placement);
   } else {
@@ -293,6 +297,28 @@ Status Shapes::add_patches(const Parameters& p, const ShapePlacement& at) {
   const std::uint64_t triangles = bilinear_triangles(positions, patches);
   if (auto fits = builder_.check_triangles(*p.place().file, triangles); !fits) return fits;
   return add_mesh(bilinear_mesh(positions, normals, uvs, patches), p, at);
+}
+
+Status Shapes::add_curve(const Parameters& p, const ShapePlacement& at) {
+  auto strands = read_curve(p, report_);
+  if (!strands) return {};
+  Surface surface = at.surface;
+  if (surface.light) report_.warn(p.place(), "curves that emit light are not supported; they are dark");
+  surface.light = nullptr;
+  auto material = surfaces_.material(surface, 0, p.place());
+  if (!material) return fail(material.error());
+  if (!*material) return {};
+  float growth = even_scale(at.to_world);
+  if (growth == 0) {
+    report_.warn(p.place(), "curves that are scaled unevenly have their mean width");
+    growth = static_cast<float>(pow(std::fabs(at.to_world.determinant()), 1.0 / 3));
+  }
+  const Transform transform = at.to_world.transform();
+  for (Vec3& point : strands->points) point = transform.point(point);
+  for (float& radius : strands->radii) radius *= growth;
+  for (Vec3& normal : strands->normals) normal = transform.normal(normal);
+  return builder_.add_curves({std::move(*strands), **material}, shape_name(p, "curves"), at.object,
+                             *p.place().file);
 }
 
 Status Shapes::add_subdivision(const Parameters& p, const ShapePlacement& at) {

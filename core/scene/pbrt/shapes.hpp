@@ -40,6 +40,7 @@ class Shapes {
   Status add_triangles(const Parameters& p, const ShapePlacement& at);
   Status add_ply(const Parameters& p, const ShapePlacement& at);
   Status add_patches(const Parameters& p, const ShapePlacement& at);
+  Status add_curve(const Parameters& p, const ShapePlacement& at);
   Status add_subdivision(const Parameters& p, const ShapePlacement& at);
   Status add_mesh(MeshDescription mesh, const Parameters& p, const ShapePlacement& at);
   // Adds the shape if its surface has an effect.

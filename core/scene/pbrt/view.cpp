@@ -30,6 +30,7 @@ class ViewConverter {
   void convert_sampler();
   void convert_integrator();
   void convert_camera();
+  void convert_motion(CameraDescription& camera);
   float tangent_of(const std::string& kind, const Parameters& p) const;
   void convert_lens(const Parameters& p, float world_scale, CameraDescription& camera);
   Exposure exposure() const;
@@ -256,17 +257,27 @@ float ViewConverter::tangent_of(const std::string& kind, const Parameters& p) co
   return diagonal_mm / std::sqrt(1 + longer * longer) / 2 / kFocalLengthMm;
 }
 
+void ViewConverter::convert_motion(CameraDescription& camera) {
+  const AnimatedMatrix& to_world = directives_.world_from_camera;
+  if (!to_world.moves()) return;
+  const auto keys = keyed_transforms(to_world, directives_.times, shutter_open_s(directives_));
+  if (!keys || !animate_camera(*keys, camera, builder_.scene().animation.camera))
+    report_.warn(directives_.camera->parameters.place(),
+                 "no motion leads from the camera at the start to that at the end; the former counts");
+}
+
 void ViewConverter::convert_camera() {
   CameraDescription camera;
-  const Matrix& to_world = directives_.world_from_camera;
+  const Matrix& to_world = directives_.world_from_camera.start;
   // The format's space of cameras is left-handed.
   camera.mirrored = to_world.determinant() > 0;
   camera.position = to_world.point({});
   const Vec3 forward = to_world.direction({0, 0, 1}), up = to_world.direction({0, 1, 0});
   const Vec3 right = to_world.direction({1, 0, 0});
   const float world_scale = length(forward);
-  camera.look_at = camera.position + normalize(forward) * std::max(1.0f, length(camera.position));
+  camera.look_at = look_at_along(camera.position, forward);
   camera.up = up;
+  convert_motion(camera);
   const Parameters none;
   const Parameters& p = parameters_of(directives_.camera, none);
   const std::string kind = directives_.camera ? directives_.camera->kind : "perspective";
@@ -297,9 +308,20 @@ void ViewConverter::convert_camera() {
   p.find("shutteropen"), p.find("shutterclose");
   report_.warn_unused(p, "the camera");
   builder_.set_camera(camera);
+  if (is_animated(builder_.scene().animation.camera)) open_shutter(directives_, builder_);
 }
 
 }  // namespace
+
+float shutter_open_s(const ViewDirectives& directives) {
+  return directives.camera ? directives.camera->parameters.number("shutteropen", 0) : 0;
+}
+
+void open_shutter(const ViewDirectives& directives, SceneBuilder& builder) {
+  const float open = shutter_open_s(directives);
+  const float close = directives.camera ? directives.camera->parameters.number("shutterclose", 1) : 1;
+  builder.scene().camera.shutter_close = std::clamp(close - open, 0.0f, kMaxShutterFrames);
+}
 
 Exposure convert_view(const ViewDirectives& directives, SceneBuilder& builder, const Report& report) {
   return ViewConverter(directives, builder, report).convert();

@@ -8,8 +8,8 @@
 
 #include "core/base/error.hpp"
 #include "core/scene/import/scene_builder.hpp"
+#include "core/scene/pbrt/animated_matrix.hpp"
 #include "core/scene/pbrt/exposure.hpp"
-#include "core/scene/pbrt/matrix.hpp"
 #include "core/scene/pbrt/parameters.hpp"
 #include "core/scene/pbrt/report.hpp"
 
@@ -23,8 +23,14 @@ struct KindAndParameters {
 
 struct ViewDirectives {
   std::optional<KindAndParameters> camera{}, film{}, filter{}, sampler{}, integrator{};
-  Matrix world_from_camera{};
+  AnimatedMatrix world_from_camera{};
+  TransformTimes times{};
 };
+
+// When the shutter opens: frame 0, with a frame for each second.
+float shutter_open_s(const ViewDirectives& directives);
+// Lets the camera, which is set already, expose for the time of the directives: something moves.
+void open_shutter(const ViewDirectives& directives, SceneBuilder& builder);
 
 // Sets the camera and the settings of the scene, and returns the exposure of its film. Unsupported parameters
 // are told.

@@ -129,6 +129,8 @@ TEST(PbrtDirectives, MistakesNameFileAndLine) {
       pbrt_error(begin + "LookAt 0 0 0 0 0 0 0 1 0"),
       "scene.pbrt:2: LookAt needs two different points and a vector that is not parallel to their line");
   EXPECT_THAT(pbrt_error(begin), HasSubstr("scene.pbrt: has no shape that can be rendered"));
+  EXPECT_THAT(pbrt_error(begin + "Shape \"spher\""),
+              HasSubstr("can be rendered\nscene.pbrt:2: the shape 'spher'"));
 }
 
 TEST(PbrtDirectives, CommentsAndStringsAreSkipped) {
@@ -139,16 +141,60 @@ TEST(PbrtDirectives, CommentsAndStringsAreSkipped) {
 
 TEST(PbrtDirectives, WhatIsNotSupportedIsTold) {
   const SceneDescription scene = pbrt_world(
-      "Shape \"sphere\" \"float polish\" 3\nShape \"sphere\" \"float polish\" 4\nShape \"curve\"\n"
-      "ActiveTransform EndTime Translate 9 0 0 ActiveTransform All Shape \"sphere\"\n");
+      "Shape \"sphere\" \"float polish\" 3\nShape \"sphere\" \"float polish\" 4\nShape \"voronoi\"\n");
   EXPECT_THAT(
       warnings_of(scene),
       HasSubstr("scene.pbrt:2: the parameter 'polish' of the shape 'sphere' is not supported; it is ignored "
                 "(2 times)"));
   EXPECT_THAT(warnings_of(scene),
-              HasSubstr("scene.pbrt:4: the shape 'curve' is not supported; it is left out"));
-  EXPECT_THAT(warnings_of(scene), HasSubstr("motion blur is not supported"));
-  expect_near(sphere_of(scene, 2).center, {});
+              HasSubstr("scene.pbrt:4: the shape 'voronoi' is not supported; it is left out"));
+}
+
+const InstanceMotion& only_motion(const SceneDescription& scene) {
+  static const InstanceMotion kNone;
+  EXPECT_EQ(scene.animation.instances.size(), 1u);
+  return scene.animation.instances.empty() ? kNone : scene.animation.instances[0];
+}
+
+// Frame 0 is the time when the shutter opens, and each second has a frame.
+TEST(PbrtDirectives, ActiveTransformMovesAShapeWhileTheShutterIsOpen) {
+  const SceneDescription scene = pbrt_scene(
+      "Camera \"perspective\" \"float shutteropen\" 1 \"float shutterclose\" 1.5\nTransformTimes 1 2\n"
+      "WorldBegin\nTranslate 0 0 7 ActiveTransform EndTime Translate 4 0 0 Rotate 90 0 0 1\n"
+      "ActiveTransform All Scale 1 2 1 Shape \"sphere\"\nIdentity Shape \"disk\"\n");
+  EXPECT_EQ(warnings_of(scene), "");
+  EXPECT_EQ(scene.camera.shutter_open, 0);
+  EXPECT_EQ(scene.camera.shutter_close, 0.5f);
+  ASSERT_EQ(scene.shapes.size(), 2u);
+  const InstanceMotion& motion = only_motion(scene);
+  EXPECT_TRUE(std::holds_alternative<InstanceDescription>(scene.shapes[motion.shape]));
+  expect_near(transform_at(motion.steps, 0).point({1, 1, 0}), {1, 2, 7}, 1e-5f);
+  expect_near(transform_at(motion.steps, 0.5f).point({1, 0, 0}), {2.70710678f, 0.70710678f, 7}, 1e-5f);
+  expect_near(transform_at(motion.steps, 1).point({0, 1, 0}), {2, 0, 7}, 1e-5f);
+}
+
+TEST(PbrtDirectives, ActiveTransformMovesInstancesAndTheCamera) {
+  const SceneDescription scene = pbrt_scene(
+      "ActiveTransform EndTime Translate 0 0 -3 ActiveTransform All\nCamera \"perspective\"\nWorldBegin\n"
+      "ObjectBegin \"o\" Shape \"sphere\" ObjectEnd\nActiveTransform StartTime Scale 2 2 2\n"
+      "ObjectInstance \"o\"\n");
+  EXPECT_EQ(warnings_of(scene), "");
+  expect_near(transform_at(only_motion(scene).steps, 0.5f).point({1, 0, 0}), {1.5f, 0, 0}, 1e-5f);
+  const CameraDescription half = camera_at(scene.camera, scene.animation.camera, 0.5f);
+  expect_near(half.position, {0, 0, 1.5f}, 1e-5f);
+  expect_near(half.look_at - half.position, {0, 0, 1.5f}, 1e-5f);
+  EXPECT_EQ(scene.camera.shutter_close, 1);
+}
+
+TEST(PbrtDirectives, WhatCannotMoveIsTold) {
+  const SceneDescription scene = pbrt_world(
+      "AttributeBegin ActiveTransform EndTime Scale -1 1 1 Shape \"sphere\" AttributeEnd\n"
+      "AttributeBegin ActiveTransform EndTime Translate 1 0 0\nLightSource \"point\" AttributeEnd\n");
+  EXPECT_THAT(warnings_of(scene), HasSubstr("scene.pbrt:2: no motion leads from"));
+  EXPECT_THAT(warnings_of(scene), HasSubstr("scene.pbrt:4: the light does not move"));
+  EXPECT_TRUE(scene.animation.instances.empty());
+  expect_near(sphere_of(scene, 0).center, {});
+  EXPECT_EQ(scene.camera.shutter_close, 0);
 }
 
 TEST(PbrtDirectives, MediaLieOnTheSidesOfSurfaces) {
@@ -168,6 +214,22 @@ TEST(PbrtDirectives, MediaLieOnTheSidesOfSurfaces) {
   const Material& material = scene.materials.at(sphere_of(scene).material);
   EXPECT_TRUE(std::holds_alternative<Null>(material.model));
   EXPECT_EQ(material.media, (MediumInterface{0, kNoMedium}));
+}
+
+TEST(PbrtDirectives, MediaHaveMeasuredCoefficients) {
+  const auto medium = [](const std::string& preset) {
+    const SceneDescription scene =
+        pbrt_world("MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"string preset\" \"" + preset +
+                   "\"\nMediumInterface \"m\" \"\" Material \"interface\" Shape \"sphere\"\n");
+    return std::pair(scene.media.at(0), warnings_of(scene));
+  };
+  const auto [coke, nothing] = medium("Coke");
+  EXPECT_EQ(coke.sigma_a, (Rgb{0.10014f, 0.16503f, 0.2468f}));
+  EXPECT_EQ(coke.sigma_s, (Rgb{8.9053e-5f, 8.372e-5f, 0}));
+  EXPECT_THAT(nothing, testing::Not(HasSubstr("medium")));
+  const auto [milk, told] = medium("Tar");
+  EXPECT_EQ(milk.sigma_s, (Rgb{2.55f, 3.21f, 3.77f}));
+  EXPECT_THAT(told, HasSubstr("the medium 'Tar' is not known; coefficients of whole milk are used"));
 }
 
 TEST(PbrtDirectives, GridsOfMediaFillTheirBox) {

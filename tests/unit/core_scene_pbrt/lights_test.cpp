@@ -2,8 +2,11 @@
 // Light sources of pbrt files, with the scales that the format defines.
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <numbers>
 
+#include "core/lights/equirectangular.hpp"
+#include "core/scene/pbrt/environment_map.hpp"
 #include "tests/unit/core_scene_pbrt/pbrt_scene.hpp"
 
 namespace tessera::core::test {
@@ -47,6 +50,12 @@ TEST(PbrtLights, SpotLightsFallOffInTheirDelta) {
   EXPECT_EQ(light.look_at, (Vec3{0, 0, 0}));
   EXPECT_FLOAT_EQ(light.angle_degrees, 80);
   EXPECT_FLOAT_EQ(light.softness, 0.25f);
+}
+
+TEST(PbrtLights, ProjectionsOfFlatImagesAreLeftOut) {
+  const SceneDescription scene =
+      pbrt_world("AttributeBegin Scale 0 1 1 LightSource \"projection\" AttributeEnd Shape \"sphere\"");
+  EXPECT_TRUE(scene.lights.empty());
 }
 
 TEST(PbrtLights, DistantLightsTravelFromTheirOrigin) {
@@ -107,14 +116,61 @@ TEST(PbrtLights, ASceneWithoutLightIsBlack) {
   EXPECT_TRUE(scene.lights.empty());
 }
 
+// Red on the left and green on the right, seen from the light.
+std::string two_colors() {
+  Image image(2, 1);
+  image.at(0, 0) = {2, 0, 0};
+  image.at(1, 0) = {0, 1, 0};
+  return hdr(image);
+}
+
+TEST(PbrtLights, ProjectionsShowTheirImage) {
+  const SceneDescription scene = pbrt_world(
+      "LightSource \"projection\" \"string filename\" \"slide.hdr\" \"float fov\" 90 \"float scale\" 3\n"
+      "Shape \"sphere\"",
+      {{"slide.hdr", two_colors()}});
+  const auto& light = std::get<SpotLightDescription>(scene.lights.at(0));
+  EXPECT_EQ(light.look_at - light.position, (Vec3{0, 0, 1}));
+  expect_color(light.intensity, Rgb::gray(3), 1e-4f);
+  EXPECT_NEAR(light.image.right.x, 2, 1e-5f);
+  EXPECT_NEAR(light.image.up.y, 1, 1e-5f);
+  EXPECT_FALSE(light.image.flat_field);
+  EXPECT_NEAR(light.angle_degrees, 2 * 180 / kPiF * std::atan(std::sqrt(5.0f)), 0.1f);
+  const Texture& slide = scene.textures.at(static_cast<std::size_t>(light.image.texture));
+  EXPECT_GT(slide.evaluate({0.1f, 0.5f}).r, 1.5f);
+  EXPECT_EQ(warnings_of(scene), "");
+}
+
+// The pole of the image's mapping is the light's y axis.
+TEST(PbrtLights, GoniometricLightsEmitAsTheirImageSays) {
+  Image image(16, 16);
+  float sum = 0;
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 16; ++x) {
+      const float z = pbrt::equal_area_direction(
+                          {(static_cast<float>(x) + 0.5f) / 16, (static_cast<float>(y) + 0.5f) / 16})
+                          .z;
+      image.at(x, y) = Rgb::gray(z > 0 ? 3.0f : 1.0f);
+      sum += image.at(x, y).g;
+    }
+  const SceneDescription scene = pbrt_world(
+      "LightSource \"goniometric\" \"string filename\" \"lamp.hdr\" \"float power\" 100\nShape \"sphere\"",
+      {{"lamp.hdr", hdr(image)}});
+  const auto& light = std::get<PointLightDescription>(scene.lights.at(0));
+  expect_color(light.intensity, Rgb::gray(100 / (4 * kPiF * sum / (16 * 16))), 1e-3f);
+  const auto& texture = scene.textures.at(static_cast<std::size_t>(light.texture));
+  const EquirectangularMap map(0, light.orientation);
+  EXPECT_NEAR(texture.evaluate(map.uv_of(Vec3{0.3f, 0.8f, 0.2f})).g, 3, 1e-2f);
+  EXPECT_NEAR(texture.evaluate(map.uv_of(Vec3{0.3f, -0.8f, 0.2f})).g, 1, 1e-2f);
+}
+
 TEST(PbrtLights, ApproximationsAreTold) {
   const std::string warnings = warnings_of(
       pbrt_world("LightSource \"goniometric\"\nLightSource \"projection\"\nLightSource \"candle\"\n"
                  "LightSource \"infinite\" \"string filename\" \"gone.exr\" \"point3 portal\" [0 0 0 1 0 0 1 "
                  "1 0 0 1 0]\n"
                  "Shape \"sphere\""));
-  EXPECT_THAT(warnings, HasSubstr("scene.pbrt:2: the distribution of a goniometric light is not supported"));
-  EXPECT_THAT(warnings, HasSubstr("scene.pbrt:3: the image of a projection light is not supported"));
+  EXPECT_THAT(warnings, HasSubstr("scene.pbrt:3: a projection light without an image projects white"));
   EXPECT_THAT(warnings, HasSubstr("scene.pbrt:4: the light source 'candle' is not known"));
   EXPECT_THAT(warnings, HasSubstr("scene.pbrt:5: the image 'gone.exr' does not exist"));
   EXPECT_THAT(warnings, HasSubstr("scene.pbrt:5: the portal"));

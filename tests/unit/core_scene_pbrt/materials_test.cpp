@@ -55,6 +55,7 @@ TEST(PbrtMaterials, CoatedDiffuseIsPlastic) {
   EXPECT_FLOAT_EQ(plastic.ior.value, 1.4f);
   EXPECT_EQ(plastic.diffuse.value, (Rgb{1, 0, 0}));
   EXPECT_TRUE(plastic.nonlinear);
+  EXPECT_FALSE(plastic.compensated);
 }
 
 TEST(PbrtMaterials, MetalsByNameIndexOrReflectance) {
@@ -128,12 +129,24 @@ TEST(PbrtMaterials, MaterialsOfVersion3) {
               HasSubstr("scene.pbrt:2: the material 'matte' is one of pbrt-v3"));
 }
 
+TEST(PbrtMaterials, Hair) {
+  EXPECT_EQ(model_of<Hair>("Material \"hair\"").eumelanin.value, 1.3f);
+  const auto red =
+      model_of<Hair>("Material \"hair\" \"float pheomelanin\" 2 \"float beta_m\" 0.2 \"float alpha\" 3");
+  EXPECT_EQ(red.pigment, HairPigment::kMelanin);
+  EXPECT_EQ(red.eumelanin.value, 0);
+  EXPECT_EQ(red.pheomelanin.value, 2);
+  EXPECT_EQ(red.beta_m.value, 0.2f);
+  EXPECT_EQ(red.tilt_degrees, 3);
+  EXPECT_EQ(model_of<Hair>("Material \"hair\" \"rgb sigma_a\" [1 1 1]").pigment, HairPigment::kAbsorption);
+  EXPECT_EQ(model_of<Hair>("Material \"hair\" \"rgb reflectance\" [.5 .4 .3]").pigment,
+            HairPigment::kReflectance);
+}
+
 TEST(PbrtMaterials, WhatIsNotSupportedIsGray) {
   const SceneDescription scene =
       pbrt_world("Material \"measured\" \"string filename\" \"paint.bsdf\"\nShape \"sphere\"");
   EXPECT_EQ(warnings_of(scene), "scene.pbrt:2: the material 'measured' is not supported; gray is used\n");
-  EXPECT_THAT(warnings_of(pbrt_world("Material \"hair\" Shape \"sphere\"")),
-              HasSubstr("the material 'hair'"));
   EXPECT_THAT(warnings_of(pbrt_world("Material \"subsurface\" Shape \"sphere\"")),
               HasSubstr("subsurface scattering"));
   EXPECT_THAT(warnings_of(pbrt_world("NamedMaterial \"gone\" Shape \"sphere\"")),

@@ -91,6 +91,40 @@ TEST(PbrtShapes, WholeQuadricsStayWhole) {
   EXPECT_EQ(warnings_of(scene), "");
 }
 
+TEST(PbrtShapes, Curves) {
+  const std::string points = "\"point3 P\" [ 0 0 0  1 0 0  2 0 0  3 0 0  4 0 0 ]";
+  const SceneDescription scene = pbrt_world(
+      "Scale 2 2 2\nShape \"curve\" \"string type\" \"cylinder\" \"string basis\" \"bspline\" " + points +
+      " \"float width0\" 0.4 \"float width1\" 0\n"
+      "Shape \"curve\" \"string type\" \"cylinder\" \"integer degree\" 2 " +
+      points +
+      "\n"
+      "Shape \"curve\" \"string type\" \"ribbon\" \"integer degree\" 2 " +
+      points + " \"normal N\" [ 0 0 1  0 1 0  0 0 1 ]\n");
+  ASSERT_EQ(scene.shapes.size(), 2u) << "curves that agree are one shape";
+  const CurveStrands& round = std::get<CurvesDescription>(scene.shapes[0]).strands;
+  EXPECT_EQ(round.basis, CurveBasis::kBezier);
+  EXPECT_EQ(round.shape, CurveShape::kRound);
+  EXPECT_EQ(round.counts, (std::vector<std::uint32_t>{4, 4, 4, 4}));
+  EXPECT_NEAR(length(round.points.at(0) - Vec3{2, 0, 0}), 0, 1e-5f);  // the spline's start
+  EXPECT_NEAR(length(round.points.at(7) - Vec3{6, 0, 0}), 0, 1e-5f);  // and its end
+  EXPECT_FLOAT_EQ(round.radii.at(0), 0.4f);
+  EXPECT_FLOAT_EQ(round.radii.at(3), 0.2f);
+  EXPECT_FLOAT_EQ(round.radii.at(7), 0);
+  EXPECT_NEAR(length(round.points.at(9) - Vec3{4.0f / 3, 0, 0}), 0, 1e-5f);  // an elevated quadratic curve
+  EXPECT_FLOAT_EQ(round.radii.at(8), 1);
+  const CurveStrands& ribbon = std::get<CurvesDescription>(scene.shapes[1]).strands;
+  EXPECT_EQ(ribbon.shape, CurveShape::kRibbon);
+  EXPECT_EQ(ribbon.normals.size(), 4u);
+  EXPECT_EQ(warnings_of(scene), "");
+  const SceneDescription without =
+      pbrt_world("Shape \"curve\" \"point3 P\" [ 0 0 0 ]\nShape \"sphere\"\nShape \"curve\" " + points +
+                 " \"string basis\" \"bspline\" \"float width\" 0\n");
+  EXPECT_EQ(without.shapes.size(), 1u);
+  EXPECT_THAT(warnings_of(without), HasSubstr("scene.pbrt:2: a curve of a number of points"));
+  EXPECT_THAT(warnings_of(without), HasSubstr("scene.pbrt:4: a curve without a width"));
+}
+
 TEST(PbrtShapes, PartsOfQuadricsBecomeTriangles) {
   const double pi = std::numbers::pi;
   EXPECT_NEAR(area_of(mesh_of("Shape \"sphere\" \"float radius\" 2 \"float zmin\" 0 \"float zmax\" 2")),
