@@ -4,9 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
+#include <vector>
+
+#include "core/math/elementary.hpp"
+#include "core/scene/mitsuba/sensor.hpp"
 
 namespace tessera::core::mitsuba {
 namespace {
@@ -26,6 +31,21 @@ bool is_orthonormal(const Transform& t) {
   return same(t.x_axis, r.x_axis) && same(t.y_axis, r.y_axis) && same(t.z_axis, r.z_axis);
 }
 
+constexpr const char* kFlat = "has a 'to_world' that flattens its image; it is left out";
+
+// Images cannot be wider.
+constexpr float kWidestImage = 89.9f;
+
+float tangent_of_degrees(float angle) {
+  const SinCos half = sin_cos_turns(angle / 360);
+  return half.sin / half.cos;
+}
+
+// Whether the image that a light projects has an area.
+bool has_area(const ProjectedImage& image) {
+  return length_squared(image.right) > 0 && length_squared(image.up) > 0;
+}
+
 bool has_finite_axes(const Transform& t) {
   return core::is_finite(t.x_axis) && core::is_finite(t.y_axis) && core::is_finite(t.z_axis);
 }
@@ -37,6 +57,7 @@ void EmitterConverter::add(const Plugin& emitter, bool hide) {
   const std::string& type = emitter.type();
   if (type == "point") return add_point(emitter);
   if (type == "spot") return add_spot(emitter);
+  if (type == "projector") return add_projector(emitter);
   if (type == "directional") return add_directional(emitter);
   if (type == "constant") return set_constant(emitter, hide);
   if (type == "envmap") return set_image(emitter, hide);
@@ -65,15 +86,50 @@ void EmitterConverter::add_spot(const Plugin& emitter) {
   constexpr float kWidest = 90, kNarrowest = 0.01f;  // half angles, in degrees
   const float cutoff = std::clamp(emitter.real("cutoff_angle", 20), kNarrowest, kWidest);
   const float beam = std::clamp(emitter.real("beam_width", cutoff * 0.75f), 0.0f, cutoff);
-  if (emitter.has("texture")) emitter.warn("the projected texture is left out");
-  if (beam < cutoff)
-    emitter.warn("the falloff from 'beam_width' to 'cutoff_angle' is smooth instead of linear");
   SpotLightDescription light;
   light.position = to_world.origin;
   light.look_at = to_world.origin + normalize(to_world.z_axis);
   light.intensity = color(emitter, "intensity");
   light.angle_degrees = 2 * cutoff;
   light.softness = (cutoff - beam) / cutoff;
+  light.falloff = SpotFalloff::kLinear;
+  const ColorParameter image =
+      textures_.color(emitter, "texture", Rgb::gray(1), {}, std::numeric_limits<float>::max());
+  light.intensity *= image.value;
+  if (image.texture >= 0) {
+    const float half_width = tangent_of_degrees(std::min(cutoff, kWidestImage));
+    light.image = {image.texture, normalize(to_world.x_axis) * half_width,
+                   normalize(to_world.y_axis) * half_width, false};
+  }
+  if (!has_area(light.image)) return emitter.warn(kFlat);
+  conversion_.builder.add_light(light);
+}
+
+// The image is mirrored, as that of a camera. Its texels are irradiances of a plane at a distance of 1, over
+// pi.
+void EmitterConverter::add_projector(const Plugin& emitter) {
+  const Transform to_world = emitter.transform("to_world");
+  const ColorParameter irradiance =
+      textures_.color(emitter, "irradiance", Rgb::gray(1), {}, std::numeric_limits<float>::max());
+  int texture = irradiance.texture;
+  if (texture < 0) {
+    auto white = conversion_.builder.image_pixels("white", TextureImage(1, 1, std::vector<float>{1, 1, 1}));
+    if (!white) return conversion_.check(fail(white.error()));
+    texture = conversion_.builder.add_texture(Texture{std::move(*white)});
+  }
+  const TextureImage& image = *conversion_.builder.scene().textures[static_cast<std::size_t>(texture)].image;
+  const float aspect = static_cast<float>(image.width()) / static_cast<float>(image.height());
+  const float across = half_width_of(emitter, aspect), upward = across / aspect;
+  constexpr float kMargin = 1.0001f;
+  const float half_angle = atan2(std::sqrt(across * across + upward * upward), 1.0f) * (180 / kPi);
+  SpotLightDescription light;
+  light.position = to_world.origin;
+  light.look_at = to_world.origin + normalize(to_world.z_axis);
+  light.intensity = irradiance.value * (kPi * std::max(emitter.real("scale", 1), 0.0f));
+  light.angle_degrees = std::min(2 * half_angle * kMargin, 180.0f);
+  light.softness = 0;
+  light.image = {texture, normalize(to_world.x_axis) * -across, normalize(to_world.y_axis) * -upward, true};
+  if (!has_area(light.image)) return emitter.warn(kFlat);
   conversion_.builder.add_light(light);
 }
 

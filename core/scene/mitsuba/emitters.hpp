@@ -19,6 +19,7 @@ class EmitterConverter {
   Rgb color(const Plugin& emitter, std::string_view name);
   void add_point(const Plugin& emitter);
   void add_spot(const Plugin& emitter);
+  void add_projector(const Plugin& emitter);
   void add_directional(const Plugin& emitter);
   void set_constant(const Plugin& emitter, bool hide);
   void set_image(const Plugin& emitter, bool hide);

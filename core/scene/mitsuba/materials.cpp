@@ -9,8 +9,6 @@
 #include <utility>
 
 #include "core/base/suggestion.hpp"
-#include "core/materials/directional_albedo.hpp"
-#include "core/materials/microfacet.hpp"
 #include "core/scene/mitsuba/refraction.hpp"
 
 namespace tessera::core::mitsuba {
@@ -31,21 +29,6 @@ Surface open(const Plugin& bsdf, MaterialModel model) {
   Surface surface = one_sided(bsdf, std::move(model));
   surface.material.two_sided = true;
   return surface;
-}
-
-// What Mitsuba's rough plastic lacks of the energy that Plastic keeps between base and boundary: Mitsuba
-// counts what the boundary throws back by single scattering, which loses light between microfacets. The
-// factor of the base's colour.
-float rough_base_factor(float alpha, float eta) {
-  const DirectionalAlbedo& albedos = DirectionalAlbedo::tables();
-  constexpr int kCosines = 32;
-  float scattered_inside = 0;  // the mean, weighted by the cosine
-  for (int i = 0; i < kCosines; ++i) {
-    const float cosine = (static_cast<float>(i) + 0.5f) / kCosines;
-    scattered_inside += 2 * cosine / kCosines * albedos.scattered(cosine, alpha, 1 / eta);
-  }
-  const float let_out = albedos.mean_transmitted(alpha, eta) / (eta * eta);
-  return let_out / (1 - scattered_inside + let_out);
 }
 
 // The index for which Burley's "specular" is the reflectance at normal incidence, times 0.08.
@@ -139,6 +122,7 @@ Surface MaterialConverter::convert(const Plugin& bsdf, const TextureSite& site, 
   if (type == "normalmap") return normal_map(bsdf, site, depth);
   if (type == "bumpmap") return bump_map(bsdf, site, depth);
   if (type == "null") return open(bsdf, Null{});
+  if (type == "hair") return hair(bsdf, site);
   return unsupported(bsdf);
 }
 
@@ -155,6 +139,7 @@ Surface MaterialConverter::dielectric(const Plugin& bsdf, const TextureSite& sit
   if (is_rough) {
     const Roughness rough = roughness(bsdf, site);
     glass.roughness = rough.roughness;
+    glass.microfacets = rough.microfacets;
     if (rough.anisotropy.value != 0) bsdf.warn("the anisotropy is left out");
   }
   Surface result = open(bsdf, glass);
@@ -163,13 +148,33 @@ Surface MaterialConverter::dielectric(const Plugin& bsdf, const TextureSite& sit
 }
 
 Surface MaterialConverter::thin_dielectric(const Plugin& bsdf, const TextureSite& site) {
-  if (conversion_.builder.scene().settings.max_depth > 0)
-    bsdf.warn("each crossing counts for 'max_depth', and lights behind it are found by chance only");
+  if (conversion_.counts_passing) bsdf.warn("crossings do not count for 'max_depth'");
   ThinDielectric thin;
   thin.ior = boundary_of(bsdf, "bk7").ratio;
   thin.reflectance = textures_.color(bsdf, "specular_reflectance", Rgb::gray(1), site);
   thin.transmittance = textures_.color(bsdf, "specular_transmittance", Rgb::gray(1), site);
   return open(bsdf, thin);
+}
+
+Surface MaterialConverter::hair(const Plugin& bsdf, const TextureSite& site) {
+  constexpr float kMaxMelanin = 1000, kMaxAbsorption = 100;  // more makes no light visible
+  Hair model;
+  model.eumelanin = std::clamp(bsdf.real("eumelanin", 1.3f), 0.0f, kMaxMelanin);
+  model.pheomelanin = std::clamp(bsdf.real("pheomelanin", 0.2f), 0.0f, kMaxMelanin);
+  model.beta_m = std::clamp(bsdf.real("longitudinal_roughness", 0.3f), 0.0f, 1.0f);
+  model.beta_n = std::clamp(bsdf.real("azimuthal_roughness", 0.3f), 0.0f, 1.0f);
+  model.tilt_degrees = std::clamp(bsdf.real("scale_tilt", 2), -kMaxHairTiltDegrees, kMaxHairTiltDegrees);
+  model.ior = boundary_of(bsdf, "amber").ratio;
+  const float scale = bsdf.real("scale", 1);
+  if (bsdf.has("sigma_a")) {
+    model.pigment = HairPigment::kAbsorption;
+    model.sigma_a = textures_.color(bsdf, "sigma_a", Rgb{}, site, kUnbounded);
+    const Rgb scaled = model.sigma_a.value * std::max(scale, 0.0f);
+    const auto limited = [most = kMaxAbsorption](float a) { return std::min(a, most); };
+    model.sigma_a.value = {limited(scaled.r), limited(scaled.g), limited(scaled.b)};
+  }
+  bsdf.ignore({"use_pigmentation"});
+  return open(bsdf, model);
 }
 
 Surface MaterialConverter::conductor(const Plugin& bsdf, const TextureSite& site, bool is_rough) {
@@ -182,6 +187,7 @@ Surface MaterialConverter::conductor(const Plugin& bsdf, const TextureSite& site
     const Roughness rough = roughness(bsdf, site);
     conductor.roughness = rough.roughness;
     conductor.anisotropy = rough.anisotropy;
+    conductor.microfacets = rough.microfacets;
   }
   return one_sided(bsdf, conductor);
 }
@@ -206,37 +212,42 @@ Surface MaterialConverter::plastic(const Plugin& bsdf, const TextureSite& site, 
   if (is_rough) {
     const Roughness rough = roughness(bsdf, site);
     plastic.roughness = rough.roughness;
+    plastic.microfacets = rough.microfacets;
+    plastic.compensated = false;
     if (rough.anisotropy.value != 0) bsdf.warn("the anisotropy is left out");
-    const float alpha = rough.roughness.value * rough.roughness.value;
-    if (rough.roughness.texture < 0 && !plastic.nonlinear && alpha > kMinAlpha)
-      plastic.diffuse.value *= rough_base_factor(alpha, boundary.ratio);
-    else
-      bsdf.warn("the base is brighter, because light between microfacets is not lost");
   }
   return one_sided(bsdf, plastic);
+}
+
+// Mitsuba's masking is the product of both directions'.
+MicrofacetKind MaterialConverter::microfacets(const Plugin& bsdf) {
+  const std::string distribution = bsdf.text("distribution").value_or("beckmann");
+  if (distribution == "ggx") return {MicrofacetDistribution::kGgx, SmithMasking::kSeparable};
+  if (distribution != "beckmann")
+    bsdf.warn(
+        fmt::format("the distribution of microfacets is Beckmann's instead of {}", in_quotes(distribution)));
+  return {MicrofacetDistribution::kBeckmann, SmithMasking::kSeparable};
 }
 
 // Alpha is the square of the roughness. With two alphas it is their quadratic mean, as OpenPBR defines the
 // anisotropy (Academy Software Foundation 2024, section 3.4).
 MaterialConverter::Roughness MaterialConverter::roughness(const Plugin& bsdf, const TextureSite& site) {
-  const std::string distribution = bsdf.text("distribution").value_or("beckmann");
-  if (distribution != "ggx")
-    bsdf.warn(fmt::format("the distribution of microfacets is GGX instead of {}", in_quotes(distribution)));
   bsdf.ignore({"sample_visible"});
+  const MicrofacetKind kind = microfacets(bsdf);
   if (!bsdf.has("alpha_u") && !bsdf.has("alpha_v"))
-    return {in_unit(textures_.scalar(bsdf, "alpha", 0.1f, site, TexelMap::kSquareRoot)), 0};
+    return {in_unit(textures_.scalar(bsdf, "alpha", 0.1f, site, TexelMap::kSquareRoot)), 0, kind};
   const ScalarParameter of_u = textures_.scalar(bsdf, "alpha_u", 0.1f, site);
   const ScalarParameter of_v = textures_.scalar(bsdf, "alpha_v", 0.1f, site);
   if (of_u.texture >= 0 || of_v.texture >= 0) {
     bsdf.warn("'alpha_u' is used for both directions, because the alphas have textures");
-    return {in_unit(textures_.scalar(bsdf, "alpha_u", 0.1f, site, TexelMap::kSquareRoot)), 0};
+    return {in_unit(textures_.scalar(bsdf, "alpha_u", 0.1f, site, TexelMap::kSquareRoot)), 0, kind};
   }
   const float u = std::max(of_u.value, 0.0f), v = std::max(of_v.value, 0.0f);
   if (u < v || u == 0) {
     if (u != v) bsdf.warn("the anisotropy is left out, because 'alpha_v' is larger than 'alpha_u'");
-    return {std::min(std::sqrt(std::sqrt(u * v)), 1.0f), 0};
+    return {std::min(std::sqrt(std::sqrt(u * v)), 1.0f), 0, kind};
   }
-  return {std::min(std::sqrt(std::sqrt((u * u + v * v) / 2)), 1.0f), 1 - v / u};
+  return {std::min(std::sqrt(std::sqrt((u * u + v * v) / 2)), 1.0f), 1 - v / u, kind};
 }
 
 // Burley's model (2012, 2015) in the terms of OpenPBR 1.1, which also layers energy: diffuse reflection under

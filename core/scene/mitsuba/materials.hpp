@@ -61,16 +61,19 @@ class MaterialConverter {
   Surface two_sided(const Plugin& bsdf, const TextureSite& site, int depth);
   Surface normal_map(const Plugin& bsdf, const TextureSite& site, int depth);
   Surface bump_map(const Plugin& bsdf, const TextureSite& site, int depth);
+  Surface hair(const Plugin& bsdf, const TextureSite& site);
   Surface unsupported(const Plugin& bsdf);
   // The BSDF inside of another; a gray diffuse one if it is missing.
   Surface inner(const Plugin& bsdf, const TextureSite& site, int depth);
   std::uint32_t part(const Plugin& bsdf, const TextureSite& site, int depth);
 
-  // The roughness of a microfacet model, and its anisotropy.
+  // The roughness of a microfacet model, its anisotropy, and the distribution.
   struct Roughness {
     ScalarParameter roughness = 0, anisotropy = 0;
+    MicrofacetKind microfacets{};
   };
   Roughness roughness(const Plugin& bsdf, const TextureSite& site);
+  static MicrofacetKind microfacets(const Plugin& bsdf);
   ComplexIndex metal(const Plugin& bsdf);
   void set_emission(const Plugin& emitter, const TextureSite& site, Material& material);
 

@@ -79,7 +79,16 @@ std::optional<Vec3> Plugin::vector(std::string_view name) const {
   return three == nullptr ? std::nullopt : std::optional(*three);
 }
 
+const KeyedTransforms* Plugin::animation(std::string_view name) const {
+  const Property* found = property(name);
+  return found == nullptr ? nullptr : std::get_if<KeyedTransforms>(&found->value);
+}
+
 Transform Plugin::transform(std::string_view name) const {
+  if (const auto* keys = animation(name)) {
+    if (keys->size() > 1) warn(fmt::format("does not move; the first keyframe of '{}' counts", name));
+    return keys->front().transform;
+  }
   const auto* map = value<Transform>(name, "transform");
   return map == nullptr ? Transform{} : *map;
 }

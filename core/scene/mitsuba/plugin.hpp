@@ -19,6 +19,9 @@ struct Conversion {
   SceneBuilder& builder;
   SceneGraph& graph;
   Status status{};  // the first error that makes the whole scene fail: it exceeds a limit
+  // Whether Mitsuba's integrator counts surfaces that light passes straight through for a limited depth.
+  bool counts_passing = false;
+  float shutter_open = 0;  // the time of frame 0; each unit of time has a frame
 
   void check(const Status& done) {
     if (!done && status) status = done;
@@ -53,8 +56,10 @@ class Plugin {
   // nullopt if there is none, or it is no string.
   std::optional<std::string> text(std::string_view name) const;
   std::optional<Vec3> vector(std::string_view name) const;
-  // The identity if there is none.
+  // The identity if there is none. Of an animation, the first keyframe, with a warning.
   Transform transform(std::string_view name) const;
+  // The keyframes of an animation; null if the parameter is none.
+  const KeyedTransforms* animation(std::string_view name) const;
   std::optional<Plugin> child(std::string_view name) const;
   // The objects of a kind, under any name.
   std::vector<Plugin> children(Kind kind) const;

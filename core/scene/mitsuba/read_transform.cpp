@@ -67,7 +67,7 @@ bool is_finite_map(const Transform& t) {
 
 std::optional<Transform> read_any_step(std::string_view tag, const Attributes& attributes) {
   if (tag == "rotate") return read_rotation(attributes);
-  if (tag == "lookat") return read_look_at(attributes);
+  if (tag == "lookat" || tag == "lookAt") return read_look_at(attributes);
   if (tag == "matrix") return read_matrix(attributes);
   const auto vector = read_vector(attributes, tag == "scale" ? 1 : 0);
   if (!vector || (tag != "scale" && tag != "translate")) return std::nullopt;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <utility>
 
+#include "core/base/printable.hpp"
 #include "core/scene/import/front_ends.hpp"
 #include "core/scene/import/scene_builder.hpp"
+#include "core/scene/import/selection.hpp"
 #include "core/scene/mitsuba/emitters.hpp"
 #include "core/scene/mitsuba/materials.hpp"
 #include "core/scene/mitsuba/media.hpp"
@@ -16,14 +18,25 @@ namespace tessera::core {
 namespace mitsuba {
 namespace {
 
+void set_chosen_sensor(Conversion& conversion, const Plugin& scene) {
+  const std::vector<Plugin> sensors = scene.children(Kind::kSensor);
+  std::vector<std::string>& names = conversion.builder.scene().contents.cameras;
+  for (const Plugin& sensor : sensors) names.push_back(printable(sensor.name()));
+  const std::string& wanted = conversion.graph.camera;
+  const auto chosen = wanted.empty() ? Result<std::size_t>(0) : find_selected(kSelectCamera, wanted, names);
+  if (!chosen) return conversion.check(fail(chosen.error()));
+  if (sensors.empty()) return;
+  set_sensor(conversion, sensors[*chosen]);
+  if (wanted.empty() && sensors.size() > 1)
+    scene.warn("has several sensors; the first one is used, and another one can be chosen (--camera)");
+}
+
 void convert_scene(Conversion& conversion) {
   const Plugin scene(conversion, 0);
   bool hide = false;
   for (const Plugin& integrator : scene.children(Kind::kIntegrator))
     hide = set_integrator(conversion, integrator);
-  const std::vector<Plugin> sensors = scene.children(Kind::kSensor);
-  if (!sensors.empty()) set_sensor(conversion, sensors.front());
-  if (sensors.size() > 1) scene.warn("has several sensors; the first one is used");
+  set_chosen_sensor(conversion, scene);
   TextureConverter textures(conversion);
   MaterialConverter materials(conversion, textures);
   MediumConverter media(conversion);

@@ -13,6 +13,7 @@
 #include "core/math/rgb.hpp"
 #include "core/math/transform.hpp"
 #include "core/math/vec3.hpp"
+#include "core/scene/import/keyed_transforms.hpp"
 #include "core/spectra/color_matching.hpp"
 
 namespace tessera::core::mitsuba {
@@ -40,6 +41,9 @@ enum class Kind {
 };
 std::string_view tag_of(Kind kind);  // "bsdf"
 
+// Of elements in files, and of chains of references.
+inline constexpr int kMaxNesting = 100;
+
 using NodeId = std::uint32_t;  // index in SceneGraph::nodes
 
 // An object that is a property. `node` may be shared by several owners.
@@ -50,7 +54,8 @@ struct Child {
 using Samples = std::vector<SpectralSample>;
 
 struct Property {
-  using Value = std::variant<bool, std::int64_t, double, std::string, Vec3, Rgb, Samples, Transform, Child>;
+  using Value = std::variant<bool, std::int64_t, double, std::string, Vec3, Rgb, Samples, Transform,
+                             KeyedTransforms, Child>;
 
   std::string name;  // empty for objects without a name
   Location where;
@@ -70,6 +75,7 @@ struct Node {
 struct SceneGraph {
   std::vector<std::string> files;    // paths for SceneBuilder; the first is the scene file
   std::vector<Node> nodes;           // the first is the scene
+  std::string camera;                // the chosen sensor: a name or a number; empty: the first
   std::vector<std::string> folders;  // files whose folders are searched for other files, in this order
 };
 

@@ -103,8 +103,13 @@ void set_sampler(RenderSettings& settings, const Plugin& sampler) {
   sampler.ignore({"jitter", "wavefront_size"});
 }
 
-CameraDescription camera_of(const Plugin& sensor, float aspect) {
-  const Transform to_world = sensor.transform("to_world");
+// The keyframes with the shutter's opening as frame 0, and a frame for each unit of time.
+KeyedTransforms shifted(KeyedTransforms keys, float shutter_open) {
+  for (KeyedTransform& key : keys) key.frame -= shutter_open;
+  return keys;
+}
+
+CameraDescription camera_of(const Plugin& sensor, const Transform& to_world, float aspect) {
   CameraDescription camera;
   camera.position = to_world.origin;
   camera.look_at = to_world.origin + normalize(to_world.z_axis);
@@ -120,8 +125,7 @@ CameraDescription camera_of(const Plugin& sensor, float aspect) {
       sensor.warn("the image has the scale of its x axis in y, too");
     return camera;
   }
-  const float tangent =
-      sensor.has("fov") ? tangent_of_angle(sensor, aspect) : tangent_of_lens(sensor, aspect);
+  const float tangent = half_width_of(sensor, aspect);
   camera.vertical_fov_degrees = degrees_of_half_tangent(tangent / aspect);
   if (sensor.type() == "thinlens") {
     camera.aperture_radius = std::max(sensor.real("aperture_radius", 0), 0.0f);
@@ -132,6 +136,10 @@ CameraDescription camera_of(const Plugin& sensor, float aspect) {
 
 }  // namespace
 
+float half_width_of(const Plugin& plugin, float aspect) {
+  return plugin.has("fov") ? tangent_of_angle(plugin, aspect) : tangent_of_lens(plugin, aspect);
+}
+
 void set_sensor(Conversion& conversion, const Plugin& sensor) {
   RenderSettings& settings = conversion.builder.scene().settings;
   settings.width_px = 768;
@@ -140,7 +148,9 @@ void set_sensor(Conversion& conversion, const Plugin& sensor) {
   settings.filter = {FilterKind::kGaussian, 1.5f};
   if (const auto film = sensor.first_child(Kind::kFilm)) set_film(settings, *film);
   if (const auto sampler = sensor.first_child(Kind::kSampler)) set_sampler(settings, *sampler);
-  sensor.ignore({"near_clip", "far_clip", "shutter_open", "shutter_close", "srf", "focus_distance"});
+  sensor.ignore({"near_clip", "far_clip", "srf", "focus_distance"});
+  conversion.shutter_open = sensor.real("shutter_open", 0);
+  const float shutter_close = sensor.real("shutter_close", 0);
   const std::string& type = sensor.type();
   if (type != "perspective" && type != "thinlens" && type != "orthographic") {
     sensor.warn("this sensor is not supported; a camera that sees the whole scene replaces it");
@@ -148,7 +158,14 @@ void set_sensor(Conversion& conversion, const Plugin& sensor) {
     return;
   }
   const float aspect = static_cast<float>(settings.width_px) / static_cast<float>(settings.height_px);
-  const CameraDescription camera = camera_of(sensor, aspect);
+  const auto* keys = sensor.animation("to_world");
+  CameraDescription camera =
+      camera_of(sensor, keys == nullptr ? sensor.transform("to_world") : keys->front().transform, aspect);
+  if (keys != nullptr && keys->size() > 1 &&
+      !animate_camera(shifted(*keys, conversion.shutter_open), camera,
+                      conversion.builder.scene().animation.camera))
+    sensor.warn("does not move; the first keyframe of 'to_world' counts");
+  camera.shutter_close = std::clamp(shutter_close - conversion.shutter_open, 0.0f, kMaxShutterFrames);
   if (is_finite(camera.look_at) && camera.look_at != camera.position && is_finite(camera.up))
     conversion.builder.set_camera(camera);
   else
@@ -172,6 +189,7 @@ bool set_integrator(Conversion& conversion, const Plugin& integrator) {
     integrator.warn("a 'max_depth' of 2 replaces one that is lower, so that direct light is seen, too");
   conversion.builder.scene().settings.max_depth =
       depth < 0 ? 0 : static_cast<int>(std::clamp<std::int64_t>(depth - 1, 1, kMaxDepth));
+  conversion.counts_passing = depth >= 0 && !type.starts_with("volpath");
   const bool hide = integrator.flag("hide_emitters", false);
   if (hide) integrator.warn("'hide_emitters' hides the environment only");
   return hide;

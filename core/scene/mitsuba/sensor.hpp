@@ -9,6 +9,10 @@ namespace tessera::core::mitsuba {
 // Sets the camera and the settings of its film and sampler.
 void set_sensor(Conversion& conversion, const Plugin& sensor);
 
+// The ratio of an image's half width to its distance, by 'fov' or 'focal_length'. `aspect` is width over
+// height.
+float half_width_of(const Plugin& plugin, float aspect);
+
 // Sets the path length. Returns whether emitters are hidden from the camera.
 bool set_integrator(Conversion& conversion, const Plugin& integrator);
 

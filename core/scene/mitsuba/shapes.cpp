@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/scene/loader/wording.hpp"
+#include "core/scene/mitsuba/curve_text.hpp"
 #include "core/scene/mitsuba/mesh_attributes.hpp"
 
 namespace tessera::core::mitsuba {
@@ -40,6 +42,8 @@ void ShapeConverter::add(const Plugin& shape, std::optional<std::uint32_t> objec
   if (type == "sphere") return add_sphere(shape, object);
   if (type == "disk") return add_disk(shape, object);
   if (type == "cylinder") return add_cylinder(shape, object);
+  if (type == "bsplinecurve") return add_curves(shape, CurveBasis::kBSpline, object);
+  if (type == "linearcurve") return add_curves(shape, CurveBasis::kLinear, object);
   if (type == "instance") return add_instance(shape, object);
   if (type == "shapegroup") return static_cast<void>(group(shape));
   if (type == "merge") {
@@ -151,13 +155,57 @@ void ShapeConverter::add_cylinder(const Plugin& shape, std::optional<std::uint32
   conversion_.builder.add_shape(cylinder, name_of(shape), object);
 }
 
+// Transforms move the control points only, and keep the radii.
+void ShapeConverter::add_curves(const Plugin& shape, CurveBasis basis, std::optional<std::uint32_t> object) {
+  const std::string written = shape.text("filename").value_or("");
+  const auto path = conversion_.find_file(written);
+  if (!path) return shape.warn(fmt::format("{} does not exist; the shape is left out", in_quotes(written)));
+  const auto text = conversion_.builder.read(*path);
+  if (!text) return conversion_.check(fail(text.error()));
+  auto strands = read_curve_text(*text, basis);
+  if (!strands)
+    return shape.warn(
+        fmt::format("{} {}; the shape is left out", in_quotes(written), strands.error().message));
+  if (basis == CurveBasis::kLinear) shape.warn("the joints of linear segments are open, and not rounded");
+  if (shape.first_child(Kind::kEmitter))
+    shape.warn("curves that emit light are not supported; they are dark");
+  const Transform to_world = shape.transform("to_world");
+  for (Vec3& point : strands->points) point = to_world.point(point);
+  for (float& radius : strands->radii) radius = std::max(radius, 0.0f);
+  const MaterialIndex index = materials_.material(
+      {shape.first_child(Kind::kBsdf), std::nullopt, media_.interface_of(shape), TextureSite{}});
+  conversion_.check(
+      conversion_.builder.add_curves({std::move(*strands), index.index}, name_of(shape), object, *path));
+}
+
 void ShapeConverter::add_instance(const Plugin& shape, std::optional<std::uint32_t> object) {
   const auto of = shape.first_child(Kind::kShape);
   if (!of || of->type() != "shapegroup" || object) {
     shape.warn(object ? "inside of a shape group is left out" : "has no shape group; it is left out");
     return;
   }
-  conversion_.builder.add_instance(group(*of), shape.transform("to_world"), name_of(shape));
+  const auto* keys = shape.animation("to_world");
+  auto motion = keys != nullptr && keys->size() > 1 ? motion_of(shape, *keys) : std::nullopt;
+  if (!motion) {
+    const Transform place = keys == nullptr ? shape.transform("to_world") : keys->front().transform;
+    return conversion_.builder.add_instance(group(*of), place, name_of(shape));
+  }
+  conversion_.builder.add_instance(group(*of), transform_at(*motion, 0), name_of(shape));
+  SceneDescription& scene = conversion_.builder.scene();
+  scene.animation.instances.push_back(
+      {static_cast<std::uint32_t>(scene.shapes.size()) - 1, *std::move(motion)});
+}
+
+// nullopt after a warning.
+std::optional<std::vector<MotionStep>> ShapeConverter::motion_of(const Plugin& shape, KeyedTransforms keys) {
+  for (KeyedTransform& key : keys) key.frame -= conversion_.shutter_open;
+  auto motion = motion_through(keys);
+  if (!motion || !motion->is_exact) {
+    shape.warn(
+        "does not move as its keyframes shear it, reflect it or have no inverse; the first one counts");
+    return std::nullopt;
+  }
+  return std::move(motion->steps);
 }
 
 std::uint32_t ShapeConverter::group(const Plugin& shape) {

@@ -34,7 +34,9 @@ class ShapeConverter {
   void add_sphere(const Plugin& shape, std::optional<std::uint32_t> object);
   void add_disk(const Plugin& shape, std::optional<std::uint32_t> object);
   void add_cylinder(const Plugin& shape, std::optional<std::uint32_t> object);
+  void add_curves(const Plugin& shape, CurveBasis basis, std::optional<std::uint32_t> object);
   void add_instance(const Plugin& shape, std::optional<std::uint32_t> object);
+  std::optional<std::vector<MotionStep>> motion_of(const Plugin& shape, KeyedTransforms keys);
   // The object of a shape group.
   std::uint32_t group(const Plugin& shape);
   MaterialIndex material(const Plugin& shape, const TextureSite& site);

@@ -9,6 +9,7 @@
 
 #include "core/base/printable.hpp"
 #include "core/base/suggestion.hpp"
+#include "core/scene/mitsuba/spectra.hpp"
 
 namespace tessera::core::mitsuba {
 namespace {
@@ -176,11 +177,9 @@ TextureConverter::Value TextureConverter::convert(const Plugin& plugin, const Te
     constant.factor *= plugin.real("scale", 1);
     return constant;
   }
-  if (type == "regular" || type == "irregular") {
-    plugin.ignore({"wavelengths", "values", "lambda_min", "lambda_max"});
-    plugin.warn(
-        fmt::format("the constant {} replaces its samples; <spectrum value=\"...\"> is read", kNoTexture));
-    return {Rgb::gray(kNoTexture), {}};
+  if (is_spectrum_type(type)) {
+    const auto samples = samples_of(plugin);
+    return {samples ? rgb_of(*samples) : Rgb::gray(kNoTexture), {}};
   }
   plugin.warn(fmt::format("this texture is not supported; the constant {} replaces it", kNoTexture));
   return {Rgb::gray(kNoTexture), {}};

@@ -4,12 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <pugixml.hpp>
 #include <utility>
 
 #include "core/base/printable.hpp"
 #include "core/base/suggestion.hpp"
+#include "core/scene/import/selection.hpp"
+#include "core/scene/mitsuba/graph_passes.hpp"
+#include "core/scene/mitsuba/line_index.hpp"
+#include "core/scene/mitsuba/parameters.hpp"
 #include "core/scene/mitsuba/parse_values.hpp"
 #include "core/scene/mitsuba/read_transform.hpp"
 
@@ -18,9 +23,7 @@ namespace {
 
 constexpr int kMaxIncludeDepth = 15;
 constexpr std::size_t kMaxFiles = 1000, kMaxNodes = std::size_t{1} << 24;
-constexpr std::size_t kMaxFolders = 100, kMaxParameters = 10000;
-constexpr std::size_t kMaxValueBytes = std::size_t{1} << 20;   // with parameters substituted
-constexpr std::size_t kMaxSubstituted = std::size_t{1} << 26;  // of all values together
+constexpr std::size_t kMaxFolders = 100;
 
 constexpr std::pair<std::string_view, Kind> kObjectTags[] = {
     {"scene", Kind::kScene},     {"shape", Kind::kShape},     {"bsdf", Kind::kBsdf},
@@ -35,77 +38,6 @@ std::optional<Kind> kind_of_tag(std::string_view tag) {
     if (tag == name) return kind;
   return std::nullopt;
 }
-
-// Maps offsets in a text to lines.
-class LineIndex {
- public:
-  explicit LineIndex(std::string_view text) {
-    for (std::size_t at = text.find('\n'); at != std::string_view::npos; at = text.find('\n', at + 1))
-      ends_.push_back(at);
-  }
-  int line_at(std::ptrdiff_t offset) const {
-    const auto at = static_cast<std::size_t>(std::max<std::ptrdiff_t>(offset, 0));
-    return static_cast<int>(std::lower_bound(ends_.begin(), ends_.end(), at) - ends_.begin()) + 1;
-  }
-
- private:
-  std::vector<std::size_t> ends_;
-};
-
-bool is_name_character(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-}
-
-// The parameters that <default> defines. The first definition of a name counts.
-class Parameters {
- public:
-  void define(std::string_view name, std::string value) {
-    const std::string key = "$" + std::string(name);
-    for (const auto& [known, text] : longest_first_)
-      if (known == key) return;
-    if (longest_first_.size() >= kMaxParameters) return;  // told where it is used
-    const auto shorter = [&](const auto& parameter) { return parameter.first.size() < key.size(); };
-    const auto place = std::find_if(longest_first_.begin(), longest_first_.end(), shorter);
-    longest_first_.emplace(place, key, std::move(value));
-  }
-
-  // `text` with each "$name" replaced, and "\$" as "$". The error is the name of an undefined parameter, or
-  // empty if the result is too long.
-  tl::expected<std::string, std::string> substitute(std::string_view text) const {
-    std::string result;
-    while (!text.empty()) {
-      const std::size_t dollar = std::min(text.find('$'), text.size());
-      const bool escaped = dollar > 0 && dollar < text.size() && text[dollar - 1] == '\\';
-      result += text.substr(0, escaped ? dollar - 1 : dollar);
-      text.remove_prefix(dollar);
-      if (text.empty()) break;
-      const auto* parameter = escaped ? nullptr : at_start_of(text);
-      if (parameter == nullptr && !escaped) return tl::unexpected<std::string>(name_at_start_of(text));
-      result += escaped ? "$" : parameter->second;
-      if (!escaped) substituted_ += parameter->second.size();
-      text.remove_prefix(escaped ? 1 : parameter->first.size());
-      if (result.size() > kMaxValueBytes || substituted_ > kMaxSubstituted)
-        return tl::unexpected<std::string>("");
-    }
-    return result;
-  }
-
- private:
-  using Parameter = std::pair<std::string, std::string>;
-
-  const Parameter* at_start_of(std::string_view text) const {
-    const auto fits = [&](const Parameter& parameter) { return text.starts_with(parameter.first); };
-    const auto found = std::find_if(longest_first_.begin(), longest_first_.end(), fits);
-    return found == longest_first_.end() ? nullptr : &*found;
-  }
-  static std::string name_at_start_of(std::string_view text) {
-    const auto end = std::find_if_not(text.begin() + 1, text.end(), is_name_character);
-    return std::string(text.begin(), end);
-  }
-
-  std::vector<Parameter> longest_first_;  // the names with '$'
-  mutable std::size_t substituted_ = 0;   // bytes, in all results
-};
 
 class GraphReader {
  public:
@@ -137,6 +69,7 @@ class GraphReader {
   Result<std::optional<Property::Value>> read_value(const Source& source, pugi::xml_node xml,
                                                     const Attributes& attributes, Location where);
   Result<Transform> read_transform(const Source& source, pugi::xml_node xml);
+  Result<KeyedTransforms> read_animation(const Source& source, pugi::xml_node xml);
   std::optional<Property::Value> read_spectrum(const Attributes& attributes, Location where);
   // Returns whether the tag is one of these: default, path, ref, alias.
   bool read_statement(std::string_view tag, const Source& source, const Attributes& attributes, NodeId owner,
@@ -145,11 +78,8 @@ class GraphReader {
   Result<Attributes> attributes_of(const Source& source, pugi::xml_node xml) const;
   void add_property(const Source& source, NodeId owner, std::string_view name, Location where,
                     Property::Value value);
-  void upgrade(Node& node) const;
 
   Status resolve_references();
-  Status check_nesting() const;
-  Result<int> height_of(NodeId id, std::vector<int>& heights, int depth) const;
 
   Location location(const Source& source, pugi::xml_node xml) const {
     return {source.file, source.lines.line_at(xml.offset_debug())};
@@ -172,8 +102,11 @@ class GraphReader {
 Result<SceneGraph> GraphReader::read() {
   graph_.nodes.push_back({Kind::kScene, "scene", {}, {0, 1}, {}, false});
   if (const Status done = read_file(builder_.scene_path(), 0, {}, 0); !done) return fail(done.error());
+  graph_.camera = parameters_.value_of(std::string(kMitsubaSelection) + std::string(kSelectCamera));
   if (const Status done = resolve_references(); !done) return fail(done.error());
-  if (const Status done = check_nesting(); !done) return fail(done.error());
+  if (const auto deep = too_deep(graph_))
+    return error_at(deep->where,
+                    fmt::format("references form a circle, or are more than {} deep", kMaxNesting));
   return std::move(graph_);
 }
 
@@ -256,7 +189,7 @@ Result<NodeId> GraphReader::read_object(const Source& source, pugi::xml_node xml
     warn(where, "duplicate id",
          fmt::format("the id {} is there already; references mean the first one", in_quotes(name)));
   if (const Status done = read_children(source, xml, id, nesting + 1); !done) return fail(done.error());
-  if (source.is_old) upgrade(graph_.nodes[id]);
+  if (source.is_old) upgrade_node(graph_.nodes[id]);
   return id;
 }
 
@@ -312,6 +245,10 @@ Result<std::optional<Property::Value>> GraphReader::read_value(const Source& sou
     const auto transform = read_transform(source, xml);
     if (!transform) return fail(transform.error());
     value = *transform;
+  } else if (tag == "animation") {
+    auto keys = read_animation(source, xml);
+    if (!keys) return fail(keys.error());
+    if (!keys->empty()) value = *std::move(keys);
   } else if (tag == "float") {
     value = parse_number(text);
   } else if (tag == "integer") {
@@ -357,6 +294,26 @@ std::optional<Property::Value> GraphReader::read_spectrum(const Attributes& attr
   return std::nullopt;
 }
 
+// Keyframes in the order of their times.
+Result<KeyedTransforms> GraphReader::read_animation(const Source& source, pugi::xml_node xml) {
+  KeyedTransforms keys;
+  for (const pugi::xml_node child : xml.children("transform")) {
+    const auto attributes = attributes_of(source, child);
+    if (!attributes) return fail(attributes.error());
+    const auto transform = read_transform(source, child);
+    if (!transform) return fail(transform.error());
+    const auto time = parse_number(attributes->text("time"));
+    const bool fits =
+        time && std::fabs(*time) <= 1e6 && (keys.empty() || static_cast<float>(*time) > keys.back().frame);
+    if (fits)
+      keys.push_back({static_cast<float>(*time), *transform});
+    else
+      warn(location(source, child), "time of a keyframe",
+           "a keyframe needs a 'time' after that of the one before; it is left out");
+  }
+  return keys;
+}
+
 Result<Transform> GraphReader::read_transform(const Source& source, pugi::xml_node xml) {
   Transform transform;
   for (const pugi::xml_node child : xml.children()) {
@@ -398,28 +355,6 @@ void GraphReader::add_property(const Source& source, NodeId owner, std::string_v
   graph_.nodes[owner].properties.push_back({std::move(known_name), where, std::move(value), false});
 }
 
-// What Mitsuba changes of files before version 2, besides the names.
-void GraphReader::upgrade(Node& node) const {
-  Transform to_uv;
-  bool has_to_uv = false;
-  for (Property& property : node.properties) {
-    if (node.type == "diffuse" && property.name == "diffuse_reflectance") property.name = "reflectance";
-    const bool is_scale = property.name == "uscale" || property.name == "vscale";
-    const auto* number = std::get_if<double>(&property.value);
-    if (number == nullptr || (!is_scale && property.name != "uoffset" && property.name != "voffset"))
-      continue;
-    const int axis = property.name.front() == 'u' ? 0 : 1;
-    if (is_scale)
-      (axis == 0 ? to_uv.x_axis : to_uv.y_axis)[axis] = static_cast<float>(*number);
-    else
-      to_uv.origin[axis] = static_cast<float>(*number);
-    property.used = has_to_uv = true;
-  }
-  if (!has_to_uv) return;
-  to_uv.origin = to_uv.direction(to_uv.origin);  // the offset comes first
-  node.properties.push_back({"to_uv", node.where, to_uv, false});
-}
-
 Status GraphReader::resolve_references() {
   for (const Reference& reference : references_) {
     Property& property = graph_.nodes[reference.owner].properties[reference.property];
@@ -435,30 +370,6 @@ Status GraphReader::resolve_references() {
     property.used = true;
   }
   return {};
-}
-
-Status GraphReader::check_nesting() const {
-  std::vector<int> heights(graph_.nodes.size(), -1);
-  const auto height = height_of(0, heights, 0);
-  return height ? Status() : fail(height.error());
-}
-
-// The longest chain below the node. A cycle is deeper than any limit.
-Result<int> GraphReader::height_of(NodeId id, std::vector<int>& heights, int depth) const {
-  const Node& node = graph_.nodes[id];
-  if (heights[id] < 0 && depth <= kMaxNesting) {
-    int height = 0;
-    for (const Property& property : node.properties) {
-      const auto* child = std::get_if<Child>(&property.value);
-      if (child == nullptr) continue;
-      const auto below = height_of(child->node, heights, depth + 1);
-      if (!below) return below;
-      height = std::max(height, *below + 1);
-    }
-    heights[id] = height;
-  }
-  if (heights[id] >= 0 && depth + heights[id] <= kMaxNesting) return heights[id];
-  return error_at(node.where, fmt::format("references form a circle, or are more than {} deep", kMaxNesting));
 }
 
 }  // namespace

@@ -9,9 +9,6 @@
 
 namespace tessera::core::mitsuba {
 
-// The deepest reference and element, which bounds the recursion of whoever follows them.
-inline constexpr int kMaxNesting = 100;
-
 // The scene file of `builder` with the files that it includes. References are resolved, without cycles, and
 // no chain of properties and references is longer than kMaxNesting. What cannot be read is left out with a
 // warning. Errors are "FILE:LINE: WHAT": malformed XML, undefined parameters, missing includes, cycles.

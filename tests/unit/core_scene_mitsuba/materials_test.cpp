@@ -73,6 +73,22 @@ TEST(MitsubaBsdf, AlphaIsTheSquareOfRoughness) {
   EXPECT_NEAR(metal.roughness.value, std::sqrt(std::sqrt(0.025)), 1e-6);
 }
 
+TEST(MitsubaBsdf, MicrofacetsAreBeckmannsUnlessNamed) {
+  using enum MicrofacetDistribution;
+  const auto kind = [](const std::string& distribution) {
+    return model_of<ConductorMaterial>("<bsdf type=\"roughconductor\">" + distribution + "</bsdf>")
+        .microfacets;
+  };
+  EXPECT_EQ(kind("").distribution, kBeckmann);
+  EXPECT_EQ(kind("").masking, SmithMasking::kSeparable);
+  EXPECT_EQ(kind("<string name=\"distribution\" value=\"ggx\"/>").distribution, kGgx);
+  EXPECT_EQ(model_of<Glass>("<bsdf type=\"roughdielectric\"/>").microfacets.distribution, kBeckmann);
+  const auto plastic = model_of<Plastic>("<bsdf type=\"roughplastic\"/>");
+  EXPECT_EQ(plastic.microfacets.distribution, kBeckmann);
+  EXPECT_FALSE(plastic.compensated);
+  EXPECT_EQ(plastic.diffuse.value, Rgb::gray(0.5f));
+}
+
 TEST(MitsubaBsdf, ConductorsHaveAnIndexOrReflectEverything) {
   const auto mirror = model_of<ConductorMaterial>("<bsdf type=\"conductor\"/>");
   EXPECT_EQ(mirror.eta.value, Rgb::gray(0));
@@ -125,10 +141,26 @@ TEST(MitsubaBsdf, PrincipledIsToldAsApproximated) {
   EXPECT_THAT(warnings_of(scene), HasSubstr("approximated"));
 }
 
+TEST(MitsubaBsdf, Hair) {
+  const auto brown = model_of<Hair>("<bsdf type=\"hair\"/>");
+  EXPECT_EQ(brown.pigment, HairPigment::kMelanin);
+  EXPECT_EQ(brown.eumelanin.value, 1.3f);
+  EXPECT_EQ(brown.pheomelanin.value, 0.2f);
+  const auto dyed = model_of<Hair>(
+      "<bsdf type=\"hair\"><rgb name=\"sigma_a\" value=\"0.2, 0.25, 0.7\"/><float name=\"scale\" "
+      "value=\"2\"/>"
+      "<float name=\"longitudinal_roughness\" value=\"0.1\"/><float name=\"scale_tilt\" "
+      "value=\"3\"/></bsdf>");
+  EXPECT_EQ(dyed.pigment, HairPigment::kAbsorption);
+  EXPECT_FLOAT_EQ(dyed.sigma_a.value.b, 1.4f);
+  EXPECT_EQ(dyed.beta_m.value, 0.1f);
+  EXPECT_EQ(dyed.tilt_degrees, 3);
+}
+
 TEST(MitsubaBsdf, UnknownOnesBecomeGray) {
-  const SceneDescription scene = scene_of("<shape type=\"sphere\"><bsdf type=\"hair\"/></shape>");
+  const SceneDescription scene = scene_of("<shape type=\"sphere\"><bsdf type=\"polarizer\"/></shape>");
   EXPECT_TRUE(std::holds_alternative<Lambert>(scene.materials.at(0).model));
-  EXPECT_THAT(warnings_of(scene), HasSubstr("<bsdf type=\"hair\">: is not supported"));
+  EXPECT_THAT(warnings_of(scene), HasSubstr("<bsdf type=\"polarizer\">: is not supported"));
 }
 
 // A square with a texture as its reflectance.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sensors, films, integrators and emitters of Mitsuba scenes.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -8,6 +9,7 @@
 
 #include "core/lights/equirectangular.hpp"
 #include "core/scene/loader/asset_source.hpp"
+#include "core/spectra/spectrum_color.hpp"
 #include "tests/unit/core_scene_mitsuba/mitsuba_scene.hpp"
 
 namespace tessera::core::test {
@@ -105,9 +107,41 @@ TEST(MitsubaEmitter, LightsWithoutExtent) {
   EXPECT_EQ(spot.look_at, (Vec3{0, 4, 0}));
   EXPECT_EQ(spot.angle_degrees, 80);
   EXPECT_EQ(spot.softness, 0.75f);
+  EXPECT_EQ(spot.falloff, SpotFalloff::kLinear);
+  EXPECT_LT(spot.image.texture, 0);
   const auto& sun = std::get<DirectionalLightDescription>(scene.lights[2]);
   EXPECT_EQ(sun.direction, (Vec3{0, 0, -1}));
   EXPECT_EQ(sun.irradiance, Rgb::gray(4));
+}
+
+TEST(MitsubaEmitter, SpotsAndProjectorsShowImages) {
+  const std::string bitmap = "type=\"bitmap\"><string name=\"filename\" value=\"slide.hdr\"/></texture>";
+  const SceneDescription scene = scene_of(
+      "<emitter type=\"spot\"><float name=\"cutoff_angle\" value=\"45\"/><texture name=\"texture\" " +
+          bitmap +
+          "</emitter><emitter type=\"projector\"><float name=\"fov\" value=\"90\"/>"
+          "<float name=\"scale\" value=\"2\"/><texture name=\"irradiance\" " +
+          bitmap + "</emitter>",
+      {{"slide.hdr", hdr(one_color(4, 2, Rgb::gray(0.5f)))}});
+  const auto& spot = std::get<SpotLightDescription>(scene.lights.at(0));
+  EXPECT_GE(spot.image.texture, 0);
+  EXPECT_NEAR(spot.image.right.x, 1, 1e-5f);
+  EXPECT_NEAR(spot.image.up.y, 1, 1e-5f);
+  EXPECT_FALSE(spot.image.flat_field);
+  const auto& projector = std::get<SpotLightDescription>(scene.lights.at(1));
+  EXPECT_NEAR(projector.image.right.x, -1, 1e-5f);
+  EXPECT_NEAR(projector.image.up.y, -0.5f, 1e-5f);
+  EXPECT_TRUE(projector.image.flat_field);
+  EXPECT_NEAR(projector.intensity.g, 2 * kPi, 1e-4f);
+  EXPECT_EQ(projector.softness, 0);
+  EXPECT_EQ(warnings_of(scene), "");
+}
+
+TEST(MitsubaEmitter, ProjectorsOfFlatImagesAreLeftOut) {
+  const SceneDescription scene = scene_of(
+      "<emitter type=\"projector\"><transform name=\"to_world\"><scale x=\"0\"/></transform></emitter>");
+  EXPECT_TRUE(scene.lights.empty());
+  EXPECT_THAT(warnings_of(scene), HasSubstr("flattens its image; it is left out"));
 }
 
 TEST(MitsubaEmitter, EnvironmentMapsHaveTheirEdgeAtMinusZ) {
@@ -137,6 +171,44 @@ TEST(MitsubaEmitter, SamplesAreIntegratedWithoutAnIlluminant) {
   EXPECT_EQ(intensity("830:1, 360:1"), equal);
 }
 
+TEST(MitsubaEmitter, SpectraArePlugins) {
+  const auto intensity = [](const std::string& inside) {
+    const SceneDescription scene =
+        scene_of("<emitter type='point'><spectrum name='intensity' " + inside + "</emitter>");
+    return std::get<PointLightDescription>(scene.lights.at(0)).intensity;
+  };
+  const Rgb samples = intensity("value='400:1, 500:3, 600:2'/>");
+  EXPECT_EQ(intensity("type='irregular'><string name='wavelengths' value='400, 500, 600'/>"
+                      "<string name='values' value='1, 3, 2'/></spectrum>"),
+            samples);
+  EXPECT_EQ(
+      intensity("type='regular'><float name='wavelength_min' value='400'/>"
+                "<float name='wavelength_max' value='600'/><string name='values' value='1 3 2'/></spectrum>"),
+      samples);
+  EXPECT_EQ(intensity("type='regular'><string name='range' value='400, 600'/>"
+                      "<string name='values' value='1 3 2'/></spectrum>"),
+            samples);
+  const SceneDescription broken = scene_of(
+      "<emitter type='point'><spectrum name='intensity' type='irregular'>"
+      "<string name='wavelengths' value='500, 400'/><string name='values' value='1, "
+      "2'/></spectrum></emitter>");
+  EXPECT_THAT(warnings_of(broken), HasSubstr("has no samples at growing wavelengths"));
+}
+
+// Planck's law at the wavelength of the eye's mean, about 570 nm, where the spectrum is even.
+TEST(MitsubaEmitter, BlackBodiesHaveTheirPower) {
+  const SceneDescription scene = scene_of(
+      "<emitter type='point'><spectrum name='intensity' type='blackbody'>"
+      "<float name='temperature' value='5000'/></spectrum></emitter>");
+  const Rgb intensity = std::get<PointLightDescription>(scene.lights.at(0)).intensity;
+  const double power =
+      1e-9 * 1.191043e-16 / (std::pow(570e-9, 5) * std::expm1(1.438777e-2 / (570e-9 * 5000)));
+  EXPECT_NEAR(luminance(intensity) / power, 1, 0.02);
+  const Rgb color = blackbody_color(5000);
+  EXPECT_NEAR(intensity.r / luminance(intensity), color.r, 2e-3);
+  EXPECT_NEAR(intensity.b / luminance(intensity), color.b, 2e-3);
+}
+
 // Public scenes, where they are.
 TEST(MitsubaCollection, RegressionTestsLoad) {
   const std::string folder = TESSERA_SOURCE_DIR "/../shared/data/scenes/mitsuba/tests/scenes/";
@@ -148,6 +220,79 @@ TEST(MitsubaCollection, RegressionTestsLoad) {
     const auto scene = load_scene_file(folder + name);
     EXPECT_TRUE(scene) << name << ": " << scene.error().message;
   }
+}
+
+TEST(MitsubaScene, IsSeenByTheChosenSensor) {
+  const std::string sensors =
+      "<sensor type='perspective' id='left'><transform name='to_world'><translate "
+      "x='-3'/></transform></sensor>"
+      "<sensor type='perspective' id='right'><transform name='to_world'><translate "
+      "x='3'/></transform></sensor>";
+  const auto position_by = [&](const std::string& camera) {
+    MemoryAssets files(MemoryAssets::Files{{"scene.xml", xml_scene(sensors)}});
+    OverriddenAssets assets(files, "scene.xml", {select_by_name("camera", camera)});
+    const auto scene = load_scene(assets, "scene.xml", "scene.xml");
+    return scene ? fmt::format("{}", scene->camera.position.x) : scene.error().message;
+  };
+  EXPECT_EQ(position_by("left"), "-3");
+  EXPECT_EQ(position_by("1"), "3");
+  EXPECT_EQ(position_by("top"), "scene.xml: there is no camera 'top'; the file has 0 ('left'), 1 ('right')");
+  const SceneDescription scene = scene_of(sensors);
+  EXPECT_EQ(scene.camera.position.x, -3);
+  EXPECT_EQ(scene.contents.cameras, (std::vector<std::string>{"left", "right"}));
+}
+
+std::string animation(const std::string& from, const std::string& to) {
+  return "<animation name=\"to_world\"><transform time=\"1\">" + from + "</transform><transform time=\"3\">" +
+         to + "</transform></animation>";
+}
+
+// The shutter opens at frame 0, and each unit of time has a frame.
+TEST(MitsubaMotion, OfInstancesIsSeenWhileTheShutterIsOpen) {
+  const SceneDescription scene = scene_of(
+      "<sensor type=\"perspective\"><float name=\"shutter_open\" value=\"1\"/>"
+      "<float name=\"shutter_close\" value=\"1.5\"/></sensor>"
+      "<shape type=\"shapegroup\" id=\"g\"><shape type=\"sphere\"/></shape>"
+      "<shape type=\"instance\"><ref id=\"g\"/>" +
+      animation("<scale value=\"2\"/>",
+                "<scale value=\"4\"/><rotate z=\"1\" angle=\"90\"/><translate x=\"6\"/>") +
+      "</shape>");
+  EXPECT_EQ(warnings_of(scene), "");
+  EXPECT_EQ(scene.camera.shutter_open, 0);
+  EXPECT_EQ(scene.camera.shutter_close, 0.5f);
+  ASSERT_EQ(scene.animation.instances.size(), 1u);
+  const auto& steps = scene.animation.instances[0].steps;
+  const auto near = [&](float frame, Vec3 p, Vec3 expected) {
+    EXPECT_LT(length(transform_at(steps, frame).point(p) - expected), 1e-5f) << frame;
+  };
+  near(0, {1, 0, 0}, {2, 0, 0});
+  near(1, {1, 0, 0}, {3 + 3 * 0.70710678f, 3 * 0.70710678f, 0});
+  near(2, {1, 0, 0}, {6, 4, 0});
+  near(9, {1, 0, 0}, {6, 4, 0});
+}
+
+TEST(MitsubaMotion, OfTheSensorIsThatOfTheCamera) {
+  const SceneDescription scene =
+      scene_of("<sensor type=\"perspective\"><float name=\"shutter_close\" value=\"2\"/>" +
+               animation("<translate z=\"-5\"/>", "<translate x=\"2\" z=\"-5\"/>") + "</sensor>");
+  EXPECT_EQ(warnings_of(scene), "");
+  const CameraDescription at = camera_at(scene.camera, scene.animation.camera, 2);
+  EXPECT_LT(length(at.position - Vec3{1, 0, -5}), 1e-5f);
+  EXPECT_LT(length(normalize(at.look_at - at.position) - Vec3{0, 0, 1}), 1e-5f);
+  EXPECT_EQ(scene.camera.shutter_close, 2);
+}
+
+TEST(MitsubaMotion, OfEmittersAndByWrongKeyframesIsTold) {
+  const SceneDescription scene =
+      scene_of("<emitter type=\"point\">" + animation("<translate x=\"1\"/>", "<translate x=\"2\"/>") +
+               "</emitter><emitter type=\"point\"><animation name=\"to_world\"><transform time=\"2\"/>"
+               "<transform time=\"1\"/><transform/></animation></emitter>");
+  EXPECT_NE(warnings_of(scene).find("does not move; the first keyframe of 'to_world' counts"),
+            std::string::npos);
+  EXPECT_NE(warnings_of(scene).find(
+                "a keyframe needs a 'time' after that of the one before; it is left out (2 times)"),
+            std::string::npos)
+      << warnings_of(scene);
 }
 
 }  // namespace

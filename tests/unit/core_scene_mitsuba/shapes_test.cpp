@@ -99,6 +99,33 @@ TEST(MitsubaShape, DisksAndCylinders) {
   EXPECT_NEAR(dot(cross(cylinder.radius_u, cylinder.radius_v), cylinder.axis), 0.75, 1e-5);
 }
 
+TEST(MitsubaShape, Curves) {
+  const std::string hair =
+      "0 0 0 0.1\n0 1 0 0.1\r\n0 2 0 0.1\n+0 3 0 0.1\n\n  \n1 0 0 .2\n1 1 0 .2\n1 2 0 .2\n1 3 0 .2\n1 4 0 .3";
+  const std::string file = "<string name=\"filename\" value=\"hair.txt\"/>";
+  const auto splines = only_shape<CurvesDescription>(
+      "<shape type=\"bsplinecurve\">" + file +
+          "<transform name=\"to_world\"><scale value=\"2\"/></transform></shape>",
+      {{"hair.txt", hair}});
+  EXPECT_EQ(splines.strands.basis, CurveBasis::kBSpline);
+  EXPECT_EQ(splines.strands.shape, CurveShape::kRound);
+  EXPECT_EQ(splines.strands.counts, (std::vector<std::uint32_t>{4, 5}));
+  EXPECT_EQ(splines.strands.points.at(1), (Vec3{0, 2, 0}));
+  EXPECT_EQ(splines.strands.radii.at(8), 0.3f) << "transforms keep radii";
+  const auto lines =
+      only_shape<CurvesDescription>("<shape type=\"linearcurve\">" + file + "</shape>", {{"hair.txt", hair}});
+  EXPECT_EQ(lines.strands.basis, CurveBasis::kLinear);
+  for (const std::string& broken : {std::string("0 0 0\n"), std::string("0 0 0 1\n"), std::string("\n"),
+                                    std::string("0 0 nan 1\n0 0 0 1\n0 0 0 1\n0 0 0 1\n")}) {
+    const auto scene = load_xml(
+        xml_scene("<shape type=\"sphere\"/><shape type=\"bsplinecurve\">" + file + "</shape>", false),
+        {{"hair.txt", broken}});
+    ASSERT_TRUE(scene);
+    EXPECT_EQ(scene->shapes.size(), 1u);
+    EXPECT_THAT(scene->warnings.back(), HasSubstr("the shape is left out"));
+  }
+}
+
 TEST(MitsubaShape, GroupsAreStoredOnce) {
   const auto scene = load_xml(
       xml_scene("<shape type=\"shapegroup\" id=\"g\"><shape type=\"sphere\"/><shape type=\"cube\"/></shape>\n"

@@ -106,6 +106,13 @@ TEST(MitsubaXml, CirclesOfReferencesAreErrors) {
 }
 
 TEST(MitsubaXml, OldNamesAreUpgraded) {
+  const auto seen = load_xml(
+      "<scene version=\"0.5.0\"><shape type=\"sphere\"/><sensor type=\"perspective\">"
+      "<string name=\"fovAxis\" value=\"y\"/><float name=\"fov\" value=\"30\"/><transform name=\"toWorld\">"
+      "<lookAt origin=\"0, 0, 9\" target=\"0, 0, 0\" up=\"0, 1, 0\"/></transform></sensor></scene>");
+  ASSERT_TRUE(seen) << seen.error().message;
+  EXPECT_EQ(seen->camera.position, (Vec3{0, 0, 9}));
+  EXPECT_NEAR(seen->camera.vertical_fov_degrees, 30, 1e-4f);
   const auto scene = load_xml(
       "<scene version=\"0.6.0\"><shape type=\"sphere\"><transform name=\"toWorld\">"
       "<translate x=\"1\" y=\"2\" z=\"3\"/></transform></shape></scene>");
