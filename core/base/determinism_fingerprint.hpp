@@ -9,6 +9,6 @@
 
 namespace tessera::core {
 
-inline constexpr std::string_view kDeterminismFingerprint = "88d309ee24b70b89";
+inline constexpr std::string_view kDeterminismFingerprint = "7642c3cc4c8878d5";
 
 }  // namespace tessera::core

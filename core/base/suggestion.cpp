@@ -14,6 +14,7 @@ namespace {
 constexpr std::size_t kMaxShownLength = 80;
 constexpr std::size_t kShownBeginning = 24;  // characters kept at the start of shortened names
 constexpr std::size_t kMaxListed = 13;
+constexpr std::size_t kMinBeginning = 4;  // of a name whose rest is missing
 
 // Names that differ by more edits are not similar.
 std::size_t likeness_limit(std::string_view name) {
@@ -58,6 +59,9 @@ std::string suggestion(std::string_view name, const std::vector<std::string_view
       std::min_element(known.begin(), known.end(), [&](auto a, auto b) { return distance(a) < distance(b); });
   if (nearest != known.end() && distance(*nearest) <= likeness_limit(name))
     return fmt::format("; did you mean {}?", in_quotes(*nearest));
+  const auto begins = [&](std::string_view k) { return name.size() >= kMinBeginning && k.starts_with(name); };
+  if (std::count_if(known.begin(), known.end(), begins) == 1)
+    return fmt::format("; did you mean {}?", in_quotes(*std::find_if(known.begin(), known.end(), begins)));
   return listing(known);
 }
 

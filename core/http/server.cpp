@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/http/server.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <microhttpd.h>
 #include <netinet/in.h>
@@ -56,6 +57,7 @@ struct Server::Daemon {
   const std::size_t max_connections;
   Connections connections;
   MHD_Daemon* mhd = nullptr;
+  int passed_socket = -1;  // a copy of ServerOptions::socket
   std::atomic<bool> is_started{false};
   std::string start_failure;  // as MHD says it
 };
@@ -175,15 +177,21 @@ core::Status Server::Daemon::start(const ServerOptions& options, const Listener&
 }
 
 Server::Daemon::~Daemon() {
-  if (mhd == nullptr) return;
-  // MHD_quiesce_daemon() races with MHD's threads that use epoll; accept() rejects new connections instead.
-  connections.stop();
-  connections.await_answers(kEndSeconds);
-  MHD_stop_daemon(mhd);
+  if (mhd != nullptr) {
+    // MHD_quiesce_daemon() races with MHD's threads that use epoll; accept() rejects new connections instead.
+    connections.stop();
+    connections.await_answers(kEndSeconds);
+    MHD_stop_daemon(mhd);
+  }
+  if (passed_socket < 0) return;
+  // MHD shuts the socket down, also for the process that passed it on and keeps it for the next start.
+  ::listen(passed_socket, SOMAXCONN);
+  ::close(passed_socket);
 }
 
 core::Result<std::unique_ptr<Server>> Server::start(const ServerOptions& options, Handler& handler) {
-  auto listener = listen_on(options.address);
+  auto listener = options.socket < 0 ? listen_on(options.address)
+                                     : core::Result<Listener>(Listener{options.socket, options.address});
   if (!listener) return core::fail(listener.error());
   std::unique_ptr<Daemon> daemon;
   try {
@@ -193,6 +201,7 @@ core::Result<std::unique_ptr<Server>> Server::start(const ServerOptions& options
     return core::fail(core::ErrorCode::kResourceExhausted,
                       fmt::format("cannot start a thread for {}: {}", listener->address, error.what()));
   }
+  if (options.socket >= 0) daemon->passed_socket = ::fcntl(options.socket, F_DUPFD_CLOEXEC, 0);
   if (auto started = daemon->start(options, *listener); !started) return core::fail(started.error());
   return std::unique_ptr<Server>(new Server(std::move(daemon), listener->address));
 }

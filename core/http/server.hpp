@@ -106,7 +106,9 @@ class Handler {
 };
 
 struct ServerOptions {
-  std::string address;                       // HOST:PORT; port 0 picks a free one
+  std::string address;  // HOST:PORT; port 0 picks a free one
+  // One that listens at the address; taken over. Copies of it listen on when the server ends. -1: a new one.
+  int socket = -1;
   std::string certificate_pem{}, key_pem{};  // both empty: without TLS
   std::string client_ca_pem{};               // empty: clients need no certificate; else 403 without one
   int threads = 2;

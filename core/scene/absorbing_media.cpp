@@ -21,15 +21,15 @@ float absorption(float transmittance, float depth) {
 
 }  // namespace
 
-void add_absorbing_media(SceneDescription& scene) {
-  const auto first_added = static_cast<int>(scene.media.size());
+void add_absorbing_media(std::vector<Material>& materials, std::vector<MediumDescription>& media) {
+  const auto first_added = static_cast<int>(media.size());
   const auto is_added = [&](const Material& material) { return material.media.interior >= first_added; };
-  for (Material& material : scene.materials) {
+  for (Material& material : materials) {
     if (const auto* blend = std::get_if<Blend>(&material.model)) {
       // Its parts stand before it. What names a medium keeps it; of two parts that absorb, the first counts.
       for (const std::uint32_t part : {blend->second, blend->first})
-        if (is_added(scene.materials[part]) && (material.media.interior == kNoMedium || is_added(material)))
-          material.media.interior = scene.materials[part].media.interior;
+        if (is_added(materials[part]) && (material.media.interior == kNoMedium || is_added(material)))
+          material.media.interior = materials[part].media.interior;
       continue;
     }
     const auto* solid = std::get_if<Principled>(&material.model);
@@ -39,8 +39,8 @@ void add_absorbing_media(SceneDescription& scene) {
     MediumDescription medium;
     medium.name = material.name;
     medium.sigma_a = {absorption(color.r, depth), absorption(color.g, depth), absorption(color.b, depth)};
-    material.media.interior = static_cast<int>(scene.media.size());
-    scene.media.push_back(std::move(medium));
+    material.media.interior = static_cast<int>(media.size());
+    media.push_back(std::move(medium));
   }
 }
 

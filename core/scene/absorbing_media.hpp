@@ -2,12 +2,15 @@
 // The media inside clear solids that absorb light.
 #pragma once
 
-#include "core/scene/description.hpp"
+#include <vector>
+
+#include "core/materials/material.hpp"
+#include "core/media/medium_description.hpp"
 
 namespace tessera::core {
 
 // Fills each material that absorbs_inside() and names no media of its own with a medium in which light has
 // the transmission colour at the transmission depth (Beer's law). The scene must be valid.
-void add_absorbing_media(SceneDescription& scene);
+void add_absorbing_media(std::vector<Material>& materials, std::vector<MediumDescription>& media);
 
 }  // namespace tessera::core

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/animation.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -20,6 +21,29 @@ bool is_sound_track(const Track<T>& track) {
 template <typename... Tracks>
 bool are_sound_tracks(const Tracks&... tracks) {
   return (is_sound_track(tracks) && ...);
+}
+
+bool is_number(float value) {
+  return std::isfinite(value);
+}
+bool is_number(Rgb value) {
+  return is_finite(value);
+}
+
+bool are_sound_parameters(const ParameterTracks& tracks) {
+  const auto are_sound = [](const auto& keyed) {
+    return std::all_of(keyed.begin(), keyed.end(), [](const auto& each) {
+      const auto& values = each.track.values;
+      return is_sound_track(each.track) && !each.track.empty() &&
+             std::all_of(values.begin(), values.end(), [](const auto& value) { return is_number(value); });
+    });
+  };
+  return are_sound(tracks.numbers) && are_sound(tracks.colors);
+}
+
+bool are_sound_parameters(const std::vector<IndexedTracks>& all) {
+  return std::all_of(all.begin(), all.end(),
+                     [](const IndexedTracks& each) { return are_sound_parameters(each.tracks); });
 }
 
 bool is_sound_turn(const TurnMotion& turn) {
@@ -45,35 +69,12 @@ bool is_sound_step(const MotionStep& step) {
                     step);
 }
 
-Transform step_at(const MotionStep& step, float frame) {
-  return std::visit(Overloaded{[](const Transform& constant) { return constant; },
-                               [frame](const ScaleMotion& scale) {
-                                 return scaling(value_at(scale.factors, frame, Vec3{1, 1, 1}));
-                               },
-                               [frame](const TurnMotion& turn) {
-                                 return rotation(turn.axis, value_at(turn.degrees, frame, 0.0f));
-                               },
-                               [frame](const RotationMotion& turn) {
-                                 return rotation(value_at(turn.rotations, frame, Quaternion{}));
-                               },
-                               [frame](const TranslationMotion& move) {
-                                 return translation(value_at(move.offsets, frame, Vec3{}));
-                               }},
-                    step);
-}
-
 }  // namespace
 
 bool is_animated(const CameraAnimation& c) {
   return !(c.position.empty() && c.look_at.empty() && c.up.empty() && c.vertical_fov_degrees.empty() &&
            c.aperture_radius.empty() && c.focus_distance.empty() && c.aperture_rotation_degrees.empty() &&
            c.view_height.empty() && c.lens_shift.empty());
-}
-
-Transform transform_at(const std::vector<MotionStep>& steps, float frame) {
-  Transform all;
-  for (const MotionStep& step : steps) all = compose(step_at(step, frame), all);
-  return all;
 }
 
 CameraDescription camera_at(const CameraDescription& camera, const CameraAnimation& a, float frame) {
@@ -103,7 +104,9 @@ bool is_sound(const Animation& animation) {
          std::all_of(animation.instances.begin(), animation.instances.end(),
                      [](const InstanceMotion& motion) {
                        return std::all_of(motion.steps.begin(), motion.steps.end(), is_sound_step);
-                     });
+                     }) &&
+         are_sound_parameters(animation.materials) && are_sound_parameters(animation.media) &&
+         are_sound_parameters(animation.environment);
 }
 
 }  // namespace tessera::core

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/overloaded.hpp"
-
 namespace tessera::core {
 namespace {
 
@@ -65,31 +63,23 @@ std::vector<std::uint32_t> for_each_light_shape(const Primitives& primitives,
   return lights;
 }
 
-// Transforms a light of an object by an instance's placement.
-LightShape placed(const LightShape& shape, const Placement& placement) {
-  const auto point = [&](Vec3 p) { return placement.point(Vec3d(p)).rounded(); };
-  const auto vector = [&](Vec3 v) { return placement.vector(Vec3d(v)).rounded(); };
-  return std::visit(
-      Overloaded{[&](const TriangleLight& t) -> LightShape {
-                   return TriangleLight{point(t.p0), point(t.p1), point(t.p2), t.uv0, t.uv1, t.uv2};
-                 },
-                 [&](const QuadLight& q) -> LightShape {
-                   return QuadLight{point(q.corner), vector(q.edge_u), vector(q.edge_v)};
-                 },
-                 [&](const SphereLight& s) -> LightShape {
-                   const Vec3 x = vector({1, 0, 0}), y = vector({0, 1, 0}), z = vector({0, 0, 1});
-                   const float radius = s.radius * length(x);
-                   return SphereLight{point(s.center), radius,       4 * kRoundToRounding * radius,
-                                      normalize(x),    normalize(y), normalize(z)};
-                 },
-                 [&](const DiskLight& d) -> LightShape {
-                   return DiskLight{point(d.center), vector(d.radius_u), vector(d.radius_v), d.inner};
-                 },
-                 [&](const CylinderLight& c) -> LightShape {
-                   return CylinderLight{point(c.start), vector(c.axis), vector(c.radius_u),
-                                        vector(c.radius_v), c.flipped};
-                 }},
-      shape);
+// The outward normal of a flat shape at its middle; zero for others.
+Vec3 front_of(const LightShape& shape, const Primitives& primitives, Hit middle) {
+  if (std::holds_alternative<SphereLight>(shape) || std::holds_alternative<CylinderLight>(shape)) return {};
+  middle.b1 = middle.b2 = 1.0f / 3;
+  return primitives.surface(Ray{}, middle).geometric_normal;
+}
+
+// `shape` is in the space of the primitives, or of the instance's object.
+Light light_at(const LightShape& shape, const Primitives& primitives, const Hit& middle,
+               const SurfaceEmission& emission) {
+  if (!middle.in_instance()) return AreaLight(shape, front_of(shape, primitives, middle), emission);
+  const Instance& instance = primitives.instance(middle.instance);
+  if (instance.motion == kStill)
+    return AreaLight(placed(shape, instance.placement), front_of(shape, primitives, middle), emission);
+  const Hit in_object{.primitive = middle.primitive};
+  return MovingAreaLight(shape, front_of(shape, primitives.object_of(instance), in_object), emission,
+                         primitives.motion_of(instance));
 }
 
 }  // namespace
@@ -140,8 +130,7 @@ LightMap::Table AreaLightFinder::find_in_instance(const Primitives& scene, std::
         return mean_radiances_[scene.material({.primitive = p, .instance = number})] > 0;
       },
       [&](const LightShape& shape, std::uint32_t p) {
-        const std::uint32_t light =
-            add_light(placed(shape, instance.placement), scene, {.primitive = p, .instance = number});
+        const std::uint32_t light = add_light(shape, scene, {.primitive = p, .instance = number});
         return light == kNoLight ? kNoLight : light - first;
       });
 }
@@ -160,17 +149,12 @@ std::uint32_t AreaLightFinder::share_table(const Instance& instance, LightMap::T
 std::uint32_t AreaLightFinder::add_light(const LightShape& shape, const Primitives& primitives,
                                          const Hit& middle) {
   const std::uint32_t material_id = primitives.material(middle);
-  Vec3 front{};
-  if (!std::holds_alternative<SphereLight>(shape) && !std::holds_alternative<CylinderLight>(shape)) {
-    Hit hit = middle;
-    hit.b1 = hit.b2 = 1.0f / 3;
-    front = primitives.surface(Ray{}, hit).geometric_normal;
-  }
   const Material& material = materials_[material_id];
-  const AreaLight light(
-      shape, front,
-      {material.emission, mean_radiances_[material_id], material.two_sided_emission, material.opacity});
-  if (!(light.power() > 0 && std::isfinite(light.power()))) return kNoLight;
+  const SurfaceEmission emission{material.emission, mean_radiances_[material_id], material.two_sided_emission,
+                                 material.opacity};
+  const Light light = light_at(shape, primitives, middle, emission);
+  const double watts = power(light, 1);
+  if (!(watts > 0 && std::isfinite(watts))) return kNoLight;
   lights_.push_back(light);
   return static_cast<std::uint32_t>(lights_.size()) - 1;
 }

@@ -11,13 +11,16 @@
 #include <vector>
 
 #include "core/camera/camera_description.hpp"
+#include "core/geometry/curves.hpp"
 #include "core/image/display.hpp"
+#include "core/lights/spot_description.hpp"
 #include "core/materials/material.hpp"
 #include "core/math/transform.hpp"
 #include "core/math/vec3.hpp"
 #include "core/media/medium_description.hpp"
 #include "core/media/voxel_grid.hpp"
 #include "core/scene/animation.hpp"
+#include "core/scene/scene_contents.hpp"
 #include "core/scene/settings.hpp"
 #include "core/textures/texture.hpp"
 
@@ -69,6 +72,12 @@ struct CylinderDescription {
   std::uint32_t material = 0;
 };
 
+// Curves that are swept by a radius: hair, grass, wires. They cannot emit.
+struct CurvesDescription {
+  CurveStrands strands{};
+  std::uint32_t material = 0;
+};
+
 // An instance of an object: all of its shapes, placed by `to_world`.
 struct InstanceDescription {
   std::uint32_t object = 0;
@@ -76,8 +85,9 @@ struct InstanceDescription {
   std::optional<std::uint32_t> material;  // replaces the materials of all its shapes
 };
 
-using ShapeDescription = std::variant<MeshDescription, SphereDescription, QuadDescription,
-                                      InstanceDescription, DiskDescription, CylinderDescription>;
+using ShapeDescription =
+    std::variant<MeshDescription, SphereDescription, QuadDescription, InstanceDescription, DiskDescription,
+                 CylinderDescription, CurvesDescription>;
 
 // Shapes that are rendered only through instances, stored once.
 struct ObjectDescription {
@@ -89,6 +99,10 @@ struct ObjectDescription {
 struct PointLightDescription {
   Vec3 position;
   Rgb intensity;  // watts per steradian
+  // The index of an equirectangular image that multiplies it by direction, -1 for none, and the rotation or
+  // reflection from the space in which its centre is at -z and its upper edge at +y to the world.
+  int texture = -1;
+  Transform orientation{};
 };
 
 struct SpotLightDescription {
@@ -96,6 +110,8 @@ struct SpotLightDescription {
   Rgb intensity;             // watts per steradian, on the axis
   float angle_degrees = 45;  // full angle of the cone
   float softness = 0.2f;     // fraction of the cone, from its edge inwards, with falloff
+  SpotFalloff falloff = SpotFalloff::kSmooth;
+  ProjectedImage image{};
 };
 
 struct DirectionalLightDescription {
@@ -116,6 +132,12 @@ struct EnvironmentDescription {
   bool visible_to_camera = true;  // else camera rays that miss all shapes are black
 };
 
+template <typename Visit>
+void visit_values(EnvironmentDescription& environment, const Visit& visit) {
+  visit("radiance", environment.radiance.value);
+  visit("rotation_degrees", environment.rotation_degrees);
+}
+
 struct SceneDescription {
   RenderSettings settings;
   CameraDescription camera;
@@ -132,6 +154,7 @@ struct SceneDescription {
   std::optional<EnvironmentDescription> environment;
   // The parameters that change from frame to frame. The others describe all frames, and these frame 0.
   Animation animation;
+  SceneContents contents;             // what there was to choose; the scene does not depend on it
   std::vector<std::string> warnings;  // defects of other programs' files, and the substitutions made
 };
 

@@ -41,6 +41,7 @@ class LightCounter {
   ObjectCount count(const QuadDescription& quad) const { return {1, emits_[quad.material]}; }
   ObjectCount count(const DiskDescription& disk) const { return {1, emits_[disk.material]}; }
   ObjectCount count(const CylinderDescription& cylinder) const { return {1, emits_[cylinder.material]}; }
+  ObjectCount count(const CurvesDescription& curves) const { return {segment_count(curves.strands), 0}; }
   ObjectCount count(const InstanceDescription& instance) const {
     const ObjectCount& object = objects_[instance.object];
     if (!instance.material) return object;

@@ -34,27 +34,50 @@ void add_mesh(MeshDescription mesh, Primitives& primitives) {
                       mesh.triangle_materials, mesh.colors);
 }
 
+// Calls add(shape) for each shape of a type, in order, and notes where its primitives begin.
+template <typename Description, typename Add>
+void add_each(std::vector<ShapeDescription>& shapes, Model& model, const Add& add) {
+  for (std::uint32_t i = 0; i < shapes.size(); ++i) {
+    auto* shape = std::get_if<Description>(&shapes[i]);
+    if (shape == nullptr) continue;
+    model.starts.push_back({model.primitives.shape_count(), i});
+    add(*shape);
+  }
+}
+
+// Meshes and quads, in their order among each other.
+void add_triangles(std::vector<ShapeDescription>& shapes, Model& model) {
+  for (std::uint32_t i = 0; i < shapes.size(); ++i) {
+    const ShapeStart start{model.primitives.shape_count(), i};
+    if (auto* mesh = std::get_if<MeshDescription>(&shapes[i]))
+      add_mesh(std::move(*mesh), model.primitives);
+    else if (const auto* quad = std::get_if<QuadDescription>(&shapes[i]))
+      add_quad(*quad, model);
+    else
+      continue;
+    model.starts.push_back(start);
+  }
+}
+
 }  // namespace
 
 Model make_model(std::vector<ShapeDescription>& shapes) {
   Model model;
-  reserve(shapes, model.primitives);
-  for (auto& shape : shapes) {
-    if (auto* mesh = std::get_if<MeshDescription>(&shape)) {
-      add_mesh(std::move(*mesh), model.primitives);
-    } else if (const auto* quad = std::get_if<QuadDescription>(&shape)) {
-      add_quad(*quad, model);
-    }
-  }
-  for (const auto& shape : shapes)
-    if (const auto* sphere = std::get_if<SphereDescription>(&shape))
-      model.primitives.add_sphere(sphere->center, sphere->radius, sphere->material);
-  for (const auto& shape : shapes)
-    if (const auto* disk = std::get_if<DiskDescription>(&shape))
-      model.primitives.add_disk(geometry_of(*disk), disk->material);
-  for (const auto& shape : shapes)
-    if (const auto* cylinder = std::get_if<CylinderDescription>(&shape))
-      model.primitives.add_cylinder(geometry_of(*cylinder), cylinder->material);
+  Primitives& primitives = model.primitives;
+  reserve(shapes, primitives);
+  add_triangles(shapes, model);
+  add_each<SphereDescription>(shapes, model, [&](const SphereDescription& sphere) {
+    primitives.add_sphere(sphere.center, sphere.radius, sphere.material);
+  });
+  add_each<DiskDescription>(shapes, model, [&](const DiskDescription& disk) {
+    primitives.add_disk(geometry_of(disk), disk.material);
+  });
+  add_each<CylinderDescription>(shapes, model, [&](const CylinderDescription& cylinder) {
+    primitives.add_cylinder(geometry_of(cylinder), cylinder.material);
+  });
+  add_each<CurvesDescription>(shapes, model, [&](CurvesDescription& curves) {
+    primitives.add_curves(std::exchange(curves.strands, {}), curves.material);
+  });
   return model;
 }
 

@@ -8,6 +8,7 @@
 #include "core/geometry/primitives.hpp"
 #include "core/lights/area_light.hpp"
 #include "core/scene/description.hpp"
+#include "core/scene/scene_ids.hpp"
 
 namespace tessera::core {
 
@@ -20,6 +21,7 @@ struct Model {
 
   Primitives primitives;
   std::vector<Quad> quads;  // in the order of their triangles
+  std::vector<ShapeStart> starts{};
 };
 
 // Converts all shapes except instances. Empties the meshes.

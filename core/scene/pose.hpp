@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,6 +19,10 @@ struct Pose {
   CameraDescription camera;
   std::vector<LightDescription> lights;
   std::vector<Transform> placements;  // of Animation::instances
+  // All of the scene's, if Animation::changes_materials().
+  std::vector<Material> materials{};
+  std::vector<MediumDescription> media{};
+  std::optional<EnvironmentDescription> environment{};
 };
 
 // What is needed to place an instance anew and to validate its placement.
@@ -41,12 +46,25 @@ class PoseMaker {
   // parameter.
   Result<Pose> at(std::int32_t frame) const;
 
+  // When the shutter is open for an image of the frame; empty if it takes no time.
+  FrameInterval shutter(std::int32_t frame) const;
+  // At any frame, also between two images.
+  CameraDescription camera_at(float frame) const {
+    return core::camera_at(camera_, animation_.camera, frame);
+  }
+  // Whether what moves while the shutter is open can be rendered; an error as from at().
+  Status check_while_open(std::int32_t frame) const;
+
  private:
   Status check(const Pose& pose) const;
+  Status check_moving(FrameInterval shutter) const;
 
   Animation animation_;
   CameraDescription camera_;
   std::vector<LightDescription> lights_;
+  std::vector<Material> materials_;  // as Pose::materials
+  std::vector<MediumDescription> media_;
+  std::optional<EnvironmentDescription> environment_;
   std::vector<MovingInstance> moving_;  // in the order of Animation::instances
 };
 

@@ -15,28 +15,41 @@
 namespace tessera::core {
 namespace {
 
-Light make_light(const LightDescription& description) {
-  return std::visit(
-      Overloaded{
-          [](const PointLightDescription& d) -> Light { return PointLight(d.position, d.intensity); },
-          [](const SpotLightDescription& d) -> Light {
-            return SpotLight(d.position, d.intensity,
-                             {normalize(d.look_at - d.position), d.angle_degrees, d.softness});
-          },
-          [](const DirectionalLightDescription& d) -> Light {
-            return DirectionalLight(normalize(d.direction), d.irradiance);
-          },
-      },
-      description);
+Light make_light(const LightDescription& description, const std::vector<Texture>& textures) {
+  const auto image_of = [&](int texture) -> std::shared_ptr<const TextureImage> {
+    return texture < 0 ? nullptr : textures[static_cast<std::size_t>(texture)].image;
+  };
+  return std::visit(Overloaded{
+                        [&](const PointLightDescription& d) -> Light {
+                          return PointLight(d.position, d.intensity, image_of(d.texture), d.orientation);
+                        },
+                        [&](const SpotLightDescription& d) -> Light {
+                          const auto image = image_of(d.image.texture);
+                          return SpotLight(
+                              d.position, d.intensity,
+                              {normalize(d.look_at - d.position), d.angle_degrees, d.softness, d.falloff},
+                              d.image, image ? image->mean() : Rgb::gray(1));
+                        },
+                        [](const DirectionalLightDescription& d) -> Light {
+                          return DirectionalLight(normalize(d.direction), d.irradiance);
+                        },
+                    },
+                    description);
 }
 
-std::optional<Light> environment_of(const SceneDescription& scene, const std::vector<Texture>& textures) {
-  if (!scene.environment) return std::nullopt;
-  const EnvironmentDescription& d = *scene.environment;
+std::optional<Light> environment_of(const std::optional<EnvironmentDescription>& environment,
+                                    const std::vector<Texture>& textures) {
+  if (!environment) return std::nullopt;
+  const EnvironmentDescription& d = *environment;
   const int texture = d.radiance.texture;
   return Environment(d.radiance.value,
                      texture < 0 ? nullptr : textures[static_cast<std::size_t>(texture)].image,
                      d.rotation_degrees, d.orientation, d.visible_to_camera);
+}
+
+// Whether lights change without any motion: materials may emit.
+bool changes_lights(const Animation& animation) {
+  return !animation.lights.empty() || !animation.materials.empty() || !animation.environment.empty();
 }
 
 // Replaces an opacity texture of a single texel (alpha that is 1 everywhere) by a number.
@@ -49,25 +62,23 @@ ScalarParameter without_constant_texture(const ScalarParameter& opacity,
 
 }  // namespace
 
-void Scene::add_materials(SceneDescription& description) {
-  textures_ = std::move(description.textures);
-  materials_ = std::move(description.materials);
+void Scene::set_materials(std::vector<Material> materials, std::vector<MediumDescription> media) {
+  add_absorbing_media(materials, media);
+  has_media_ = uses_media(camera_medium_, materials);
+  media_.clear();
+  if (has_media_)
+    for (const MediumDescription& medium : media) media_.emplace_back(medium, grids_);
+  is_opaque_ = true;
+  materials_ = std::move(materials);
   for (Material& material : materials_) {
     material.opacity = without_constant_texture(material.opacity, textures_);
     is_opaque_ &= core::is_opaque(material, materials_);
   }
 }
 
-void Scene::add_media(SceneDescription& description) {
-  has_media_ = uses_media(description);
-  if (!has_media_) return;
-  const auto grids = std::make_shared<const std::vector<VoxelGrid>>(std::move(description.grids));
-  for (const MediumDescription& medium : description.media) media_.emplace_back(medium, grids);
-  camera_medium_ = description.camera_medium;
-}
-
 void Scene::add_shapes(SceneDescription& description) {
   Model model = make_model(description.shapes);
+  ids_.set_starts(std::move(model.starts));
   quads_.own = std::move(model.quads);
   for (ObjectDescription& object : description.objects) {
     Model of_object = make_model(object.shapes);
@@ -81,6 +92,27 @@ void Scene::add_shapes(SceneDescription& description) {
   primitives_ = std::move(model.primitives);
 }
 
+Camera Scene::moving_camera(float time) const {
+  return Camera(poses_.camera_at(shutter_.at(time)));
+}
+
+void Scene::open_shutter() {
+  shutter_ = poses_.shutter(frame_);
+  camera_moves_ = !shutter_.empty() && is_animated(animation().camera);
+  if (shutter_.empty()) return;
+  const auto frame = static_cast<float>(frame_);
+  const FrameInterval until_open{std::min(frame, shutter_.begin), std::max(frame, shutter_.begin)};
+  const auto& motions = animation().instances;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const std::vector<MotionStep>& steps = motions[i].steps;
+    const std::uint32_t number = poses_.moving()[i].number;
+    if (moves(steps, shutter_))
+      primitives_.move_instance(number, MovingPlacement(steps, shutter_));
+    else if (moves(steps, until_open))
+      primitives_.place_instance(number, Placement(transform_at(steps, shutter_.begin)));
+  }
+}
+
 // Leaves out lights without power, which contribute nothing and could not be sampled.
 void Scene::find_lights(const std::vector<LightDescription>& lights, std::optional<Light> environment,
                         int threads) {
@@ -91,7 +123,7 @@ void Scene::find_lights(const std::vector<LightDescription>& lights, std::option
   const double bounds = primitives_.bounding_radius(), radius = bounds > 0 ? bounds : 1;
   const auto has_power = [radius](const Light& light) { return power(light, radius) > 0; };
   for (const LightDescription& each : lights)
-    if (const Light light = make_light(each); has_power(light)) lights_.push_back(light);
+    if (const Light light = make_light(each, textures_); has_power(light)) lights_.push_back(light);
   environment_light_ = kNoLight;
   if (environment && has_power(*environment)) {
     environment_light_ = static_cast<std::uint32_t>(lights_.size());
@@ -107,12 +139,16 @@ Result<Scene> Scene::build(SceneDescription description, int threads, std::optio
   Scene scene;
   scene.settings_ = description.settings;
   scene.poses_ = PoseMaker(description);
+  if (auto ok = scene.poses_.check_while_open(0); !ok) return fail(ok.error());
   scene.camera_ = Camera(description.camera);
-  add_absorbing_media(description);
-  scene.add_media(description);
-  scene.add_materials(description);
+  scene.ids_ = SceneIds(description);
+  scene.textures_ = std::move(description.textures);
+  scene.grids_ = std::make_shared<const std::vector<VoxelGrid>>(std::move(description.grids));
+  scene.camera_medium_ = description.camera_medium;
+  scene.set_materials(std::move(description.materials), std::move(description.media));
   scene.add_shapes(description);
-  scene.find_lights(description.lights, environment_of(description, scene.textures_), threads);
+  scene.open_shutter();
+  scene.find_lights(description.lights, environment_of(description.environment, scene.textures_), threads);
   scene.bvh_ = bvh ? std::move(*bvh) : Bvh::build(scene.primitives_, threads);
   return scene;
 }
@@ -120,6 +156,12 @@ Result<Scene> Scene::build(SceneDescription description, int threads, std::optio
 bool Scene::gives_light() const {
   return !lights_.empty() ||
          std::any_of(media_.begin(), media_.end(), [](const Medium& medium) { return medium.emits(); });
+}
+
+std::optional<Light> Scene::environment_at(const Pose& pose) {
+  if (!animation().environment.empty()) return environment_of(pose.environment, textures_);
+  if (environment_light_ == kNoLight) return std::nullopt;
+  return std::move(lights_[environment_light_]);
 }
 
 Status Scene::set_frame(std::int32_t frame, int threads) {
@@ -130,17 +172,17 @@ Status Scene::set_frame(std::int32_t frame, int threads) {
   const Result<Pose> pose = poses_.at(frame);
   if (!pose) return fail(pose.error());
   const auto& moving = poses_.moving();
+  frame_ = frame;
+  primitives_.stop_instances();
   for (std::size_t i = 0; i < moving.size(); ++i)
     primitives_.place_instance(moving[i].number, Placement(pose->placements[i]));
+  open_shutter();
   if (!moving.empty()) bvh_.rebuild_own(primitives_, threads);
-  if (!moving.empty() || !animation().lights.empty()) {
-    std::optional<Light> environment;
-    if (environment_light_ != kNoLight) environment = std::move(lights_[environment_light_]);
-    find_lights(pose->lights, std::move(environment), threads);
-  }
+  if (animation().changes_materials()) set_materials(pose->materials, pose->media);
+  if (!moving.empty() || changes_lights(animation()))
+    find_lights(pose->lights, environment_at(*pose), threads);
   camera_ = Camera(pose->camera);
   light_guide_ = {};
-  frame_ = frame;
   return {};
 }
 

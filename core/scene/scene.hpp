@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "core/scene/area_lights.hpp"
 #include "core/scene/description.hpp"
 #include "core/scene/pose.hpp"
+#include "core/scene/scene_ids.hpp"
 
 namespace tessera::core {
 
@@ -37,7 +39,21 @@ class Scene {
   const Animation& animation() const { return poses_.animation(); }
 
   const RenderSettings& settings() const { return settings_; }
+  // The camera at the frame; while the shutter is open, camera_ray() counts.
   const Camera& camera() const { return camera_; }
+  // Camera::ray() at a time from 0, when the shutter opens, to 1, when it closes.
+  Ray camera_ray(Vec2 raster, int width_px, int height_px, Vec2 u_lens, float time) const {
+    Ray ray = camera_moves_ ? moving_camera(time).ray(raster, width_px, height_px, u_lens)
+                            : camera_.ray(raster, width_px, height_px, u_lens);
+    ray.time = time;
+    return ray;
+  }
+  // Camera::depth() at the same time.
+  float camera_depth(Vec3 origin, Vec3 point, float time) const {
+    return camera_moves_ ? moving_camera(time).depth(origin, point) : camera_.depth(origin, point);
+  }
+  // Whether the image depends on the times of rays: something moves while the shutter is open.
+  bool has_motion() const { return camera_moves_ || primitives_.has_motion(); }
   const Primitives& primitives() const { return primitives_; }
   const Bvh& bvh() const { return bvh_; }
   const std::vector<Texture>& textures() const { return textures_; }
@@ -60,9 +76,15 @@ class Scene {
   // Whether no surface lets light pass through but by its model's transmission.
   bool is_opaque() const { return is_opaque_; }
   const Material& material_of(const Hit& hit) const { return materials_[primitives_.material(hit)]; }
-  // The index of the AreaLight at the hit, or kNoLight.
+  const SceneIds& ids() const { return ids_; }
+  // The index of the area light at the hit, or kNoLight.
   std::uint32_t light_of(const Hit& hit) const { return light_map_.light_of(hit); }
-  const AreaLight& area_light(std::uint32_t light) const { return *std::get_if<AreaLight>(&lights_[light]); }
+  // Calls what(area_light) with the light of this index, which light_of() returned, at the time of the hit.
+  template <typename What>
+  auto with_area_light(std::uint32_t light, float time, const What& what) const {
+    const auto* still = std::get_if<AreaLight>(&lights_[light]);
+    return still ? what(*still) : what(std::get_if<MovingAreaLight>(&lights_[light])->at(time));
+  }
   // The index of the Environment that escaped rays see, or kNoLight.
   std::uint32_t environment_light() const { return environment_light_; }
   const Environment& environment() const { return *std::get_if<Environment>(&lights_[environment_light_]); }
@@ -71,9 +93,15 @@ class Scene {
   const Lazy<LightGuide>& light_guide() const { return light_guide_; }
 
  private:
-  void add_materials(SceneDescription& description);
-  void add_media(SceneDescription& description);
+  // Sets materials and media as they are described, with the media that materials add.
+  void set_materials(std::vector<Material> materials, std::vector<MediumDescription> media);
   void add_shapes(SceneDescription& description);
+  Camera moving_camera(float time) const;
+  // The environment at a pose: that of the present frame, which is moved from, if it has no keyframes.
+  std::optional<Light> environment_at(const Pose& pose);
+  // Lets move at the present frame what moves while the shutter is open, and places what stands still
+  // meanwhile, but not between the frame and that time.
+  void open_shutter();
   // All lights, for the present placements of instances.
   void find_lights(const std::vector<LightDescription>& lights, std::optional<Light> environment,
                    int threads);
@@ -81,13 +109,17 @@ class Scene {
   RenderSettings settings_;
   PoseMaker poses_;
   std::int32_t frame_ = 0;
+  FrameInterval shutter_;
   Camera camera_;
+  bool camera_moves_ = false;
   Primitives primitives_;
+  SceneIds ids_;
   AreaLightFinder::Quads quads_;
   Bvh bvh_;
   std::vector<Texture> textures_;
   std::vector<Material> materials_;
   bool is_opaque_ = true;
+  std::shared_ptr<const std::vector<VoxelGrid>> grids_;
   std::vector<Medium> media_;
   int camera_medium_ = kNoMedium;
   bool has_media_ = false;

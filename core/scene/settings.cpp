@@ -110,6 +110,8 @@ Status check_settings(const RenderSettings& settings) {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("filter_radius: must be greater than 0 and at most {} pixels, got {}",
                             kMaxFilterRadiusPx, radius));
+  if (!settings.layers.valid())
+    return fail(ErrorCode::kInvalidArgument, "layers: has a layer that this release does not know");
   if (settings.crop) {
     if (auto ok = check_crop(*settings.crop, settings.width_px, settings.height_px); !ok)
       return fail(ok.error().within("crop"));
@@ -135,6 +137,7 @@ Result<RenderSettings> resolve_settings(RenderSettings from_scene, const RenderO
   settings.heuristic = overrides.heuristic.value_or(settings.heuristic);
   settings.clamp_indirect = overrides.clamp_indirect.value_or(settings.clamp_indirect);
   if (overrides.crop) settings.crop = overrides.crop;
+  settings.layers = overrides.layers.value_or(settings.layers);
   if (auto ok = check_settings(settings); !ok) return fail(ok.error());
   return settings;
 }

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/base/error.hpp"
+#include "core/film/layers.hpp"
 #include "core/film/region.hpp"
 
 namespace tessera::core {
@@ -76,6 +77,8 @@ struct RenderSettings {
   // The pixels of the image that are rendered and written; they are the same as in the full image. If
   // absent, all are rendered.
   std::optional<PixelRect> crop = {};
+  // What the film keeps besides the beauty, which does not depend on it.
+  LayerSet layers = {};
 
   PixelRect window() const { return crop.value_or(PixelRect{0, 0, width_px, height_px}); }
   bool operator==(const RenderSettings&) const = default;
@@ -90,6 +93,7 @@ struct RenderOverrides {
   std::optional<Heuristic> heuristic{};
   std::optional<float> clamp_indirect{};
   std::optional<PixelRect> crop{};
+  std::optional<LayerSet> layers{};
 };
 
 // Checks the limits above. Errors name the field: "width: must be between 1 and 65536 pixels, got 0".

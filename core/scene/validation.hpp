@@ -33,6 +33,7 @@ Status validate_scene(const SceneDescription& scene);
 
 // Whether rays can be in a medium of a valid scene.
 bool uses_media(const SceneDescription& scene);
+bool uses_media(int camera_medium, const std::vector<Material>& materials);
 
 // Whether a valid scene has a light, an environment, or a shape or medium that emits. Otherwise its image is
 // black, which is seldom intended.

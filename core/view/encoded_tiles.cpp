@@ -61,7 +61,10 @@ core::Result<std::shared_ptr<const EncodedTile>> EncodedTiles::get(const Key& ke
   if (auto tile = tile_of(*wanted); is_new_enough(tile)) return tile;
   const auto samples = read();
   if (!samples) return core::fail(samples.error());
-  auto pixels = encode_pixels(develop_level(rect, samples->sums, key.level), key.format);
+  const core::Image image = key.layer
+                                ? develop_layer(samples->layers, *key.layer, rect, samples->sums, key.level)
+                                : develop_level(rect, samples->sums, key.level);
+  auto pixels = encode_pixels(image, key.format);
   if (!pixels) return core::fail(pixels.error());
   auto tile = std::make_shared<const EncodedTile>(EncodedTile{
       samples->revision, samples->sums.samples, relative_noise(samples->sums), std::move(*pixels)});

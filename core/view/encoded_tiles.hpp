@@ -16,6 +16,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/mutex.hpp"
+#include "core/view/shown_layer.hpp"
 #include "core/view/tile_pixels.hpp"
 #include "core/view/tile_source.hpp"
 
@@ -37,6 +38,7 @@ class EncodedTiles {
     int tile = 0;
     PixelFormat format = PixelFormat::kHalf;
     int level = 0;
+    ShownLayer layer{};
     auto operator<=>(const Key&) const = default;
   };
   using Read = std::function<core::Result<TileAtRevision>()>;

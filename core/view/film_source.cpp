@@ -16,6 +16,7 @@ void FilmSource::attach(const core::Film& film) {
   {
     const std::lock_guard lock(film_mutex_);
     film_ = &film;
+    layers_ = film.layers();
     for (int tile = 0; tile < grid_.tile_count(); ++tile)
       if (film.samples(tile) > 0) tiles.push_back(tile);
   }
@@ -27,6 +28,11 @@ void FilmSource::attach(const core::Film& film) {
 void FilmSource::detach() {
   const std::lock_guard lock(film_mutex_);
   film_ = nullptr;
+}
+
+core::LayerSet FilmSource::layers() {
+  const std::lock_guard lock(film_mutex_);
+  return layers_;
 }
 
 void FilmSource::note_tile(int tile) {
@@ -66,6 +72,7 @@ core::Result<TileAtRevision> FilmSource::read(const TileChange& change) {
   if (film_ == nullptr)
     return core::fail(core::ErrorCode::kUnavailable, "the image is being written; try again");
   tile.sums = film_->tile(change.tile);
+  tile.layers = layers_;
   return tile;
 }
 

@@ -31,6 +31,8 @@ class FilmSource final : public TileSource {
   std::string id() const override { return id_; }
   core::Result<JobHeader> header() override { return describe_(); }
   std::optional<core::TileGrid> grid() override { return grid_; }
+  // Those of the film that was attached last.
+  core::LayerSet layers() override;
   core::Result<std::vector<TileChange>> changes_since(Revision since, std::size_t most) override;
   core::Result<TileAtRevision> read(const TileChange& change) override;
   bool is_over() override;
@@ -43,7 +45,9 @@ class FilmSource final : public TileSource {
   const std::function<JobHeader()> describe_;
 
   std::mutex film_mutex_;
-  const core::Film* film_ = nullptr;  // guarded by film_mutex_, as the film is
+  // Guarded by film_mutex_, as the film is:
+  const core::Film* film_ = nullptr;
+  core::LayerSet layers_;
 
   std::mutex mutex_;
   // Guarded by mutex_:

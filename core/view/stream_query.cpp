@@ -63,6 +63,9 @@ core::Result<StreamQuery> parse_stream_query(const http::Request& request) {
     if (!region) return core::fail(region.error());
     query.region = *region;
   }
+  const auto layer = parse_layer(request.parameter("layer").value_or(""));
+  if (!layer) return core::fail(layer.error());
+  query.layer = *layer;
   if (const auto format = request.parameter("format"); format && *format != "half")
     return invalid("format", "'half'");
   return query;

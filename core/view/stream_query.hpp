@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a viewer asks of the tile stream: `since`, `level`, `region` and `format` of the URL.
+// What a viewer asks of the tile stream: `since`, `level`, `region`, `layer` and `format` of the URL.
 #pragma once
 
 #include <optional>
@@ -8,6 +8,7 @@
 #include "core/base/error.hpp"
 #include "core/film/region.hpp"
 #include "core/http/server.hpp"
+#include "core/view/shown_layer.hpp"
 #include "core/view/tile_source.hpp"
 
 namespace tessera::view {
@@ -16,6 +17,7 @@ struct StreamQuery {
   Revision since = 0;
   int level = 0;
   std::optional<core::PixelRect> region{};  // in pixels of the whole image
+  ShownLayer layer{};
 };
 
 // INVALID_ARGUMENT names the parameter.

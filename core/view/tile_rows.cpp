@@ -16,7 +16,7 @@ core::RowSource TileRows::rows(int image_width, int image_height) {
     }
     return &band_.at(0, region_.y0 + y - grid_.rect(tile_row * grid_.columns()).y0);
   };
-  if (region_ != grid_.window())
+  if (region_ != core::PixelRect{0, 0, image_width, image_height})
     rows.position = core::RowSource::Position{region_.x0, region_.y0, image_width, image_height};
   return rows;
 }
@@ -30,7 +30,8 @@ core::Status TileRows::read_band(int tile_row) {
     if (x0 >= x1) continue;
     const auto read = source_.read({0, tile});
     if (!read) return core::fail(read.error());
-    const core::Image pixels = develop_level(rect, read->sums, 0);
+    const core::Image pixels = layer_ ? develop_layer(read->layers, *layer_, rect, read->sums, 0)
+                                      : develop_level(rect, read->sums, 0);
     for (int y = 0; y < rect.height(); ++y)
       for (int x = x0; x < x1; ++x) band_.at(x - region_.x0, y) = pixels.at(x - rect.x0, y);
   }

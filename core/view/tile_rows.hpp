@@ -6,18 +6,21 @@
 
 #include "core/base/error.hpp"
 #include "core/image/encode.hpp"
+#include "core/view/shown_layer.hpp"
 #include "core/view/tile_source.hpp"
 
 namespace tessera::view {
 
 class TileRows {
  public:
-  // `region`: of the window of `grid`, which is the source's. Both must outlive this object.
-  TileRows(TileSource& source, const core::TileGrid& grid, const core::PixelRect& region)
-      : source_(source), grid_(grid), region_(region) {}
+  // `region`: of the window of `grid`, which is the source's. Both must outlive this object. The image must
+  // have the layer.
+  TileRows(TileSource& source, const core::TileGrid& grid, const core::PixelRect& region,
+           const ShownLayer& layer = {})
+      : source_(source), grid_(grid), region_(region), layer_(layer) {}
 
-  // For write_image(); `image_width` and `image_height` are those of the whole image. A part of the window
-  // says where it lies; all of it is an image of its own, as files of a render are.
+  // For write_image(); `image_width` and `image_height` are those of the whole image, of which a part says
+  // where it lies.
   core::RowSource rows(int image_width, int image_height);
 
  private:
@@ -26,6 +29,7 @@ class TileRows {
   TileSource& source_;
   const core::TileGrid& grid_;
   const core::PixelRect region_;
+  const ShownLayer layer_;
   int tile_row_ = -1;  // that is in band_
   core::Image band_;   // of the region's width
 };

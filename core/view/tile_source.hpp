@@ -26,6 +26,7 @@ struct TileChange {
 struct TileAtRevision {
   core::Film::TileSums sums;
   Revision revision = 0;
+  core::LayerSet layers{};  // those of the film
 };
 
 struct JobHeader {
@@ -44,6 +45,8 @@ class TileSource {
   virtual core::Result<JobHeader> header() = 0;
   // Nothing while the job has no image. Once there is one, it stays the same.
   virtual std::optional<core::TileGrid> grid() = 0;
+  // The layers of the image; the same once there is one.
+  virtual core::LayerSet layers() = 0;
   // At most `most` tiles that changed after `since`, each with its last change, in the order of revisions.
   virtual core::Result<std::vector<TileChange>> changes_since(Revision since, std::size_t most) = 0;
   // The tile at this revision or a later one. Empty sums if its samples were withdrawn.

@@ -16,6 +16,16 @@ std::string to_json(const core::Rgb& color) {
   return fmt::format("[{},{},{}]", color.r, color.g, color.b);
 }
 
+std::string to_json(const LayerValues& layer) {
+  std::string channels, values;
+  for (std::size_t i = 0; i < layer.channels.size(); ++i) {
+    const char* const comma = i == 0 ? "" : ",";
+    channels += fmt::format("{}\"{}\"", comma, layer.channels[i]);
+    values += comma + (std::isfinite(layer.values[i]) ? fmt::format("{}", layer.values[i]) : "null");
+  }
+  return fmt::format(R"(,"layer":{{"channels":[{}],"values":[{}]}})", channels, values);
+}
+
 tl::unexpected<core::Error> no_image() {
   return core::fail(core::ErrorCode::kFailedPrecondition, "the job has no image yet");
 }
@@ -35,17 +45,19 @@ std::optional<float> relative_noise(const core::Film::TileSums& sums) {
   return static_cast<float>(std::sqrt(squares / count) / (total / count));
 }
 
-core::Result<PixelValue> read_pixel(TileSource& source, int x, int y) {
+core::Result<PixelValue> read_pixel(TileSource& source, int x, int y, const ShownLayer& layer) {
   const auto grid = source.grid();
   if (!grid) return no_image();
   if (!grid->window().contains({x, y, x + 1, y + 1}))
     return core::fail(core::ErrorCode::kOutOfRange, fmt::format("pixel ({}, {}) is outside the image", x, y));
+  if (auto there = check_layer(source.layers(), layer); !there) return core::fail(there.error());
   const int tile = grid->tile_at(x, y);
   const core::PixelRect rect = grid->rect(tile);
   const auto read = source.read({0, tile});
   if (!read) return core::fail(read.error());
   const core::Film::TileSums& sums = read->sums;
   PixelValue pixel{x, y, {}, sums.samples, {}};
+  if (layer) pixel.layer = layer_values(read->layers, *layer, rect, sums, x, y);
   if (sums.samples == 0) return pixel;
   const auto first = 3 * (static_cast<std::size_t>(y - rect.y0) * static_cast<std::size_t>(rect.width()) +
                           static_cast<std::size_t>(x - rect.x0));
@@ -62,8 +74,9 @@ core::Result<PixelValue> read_pixel(TileSource& source, int x, int y) {
 }
 
 std::string to_json(const PixelValue& pixel) {
-  return fmt::format(R"({{"x":{},"y":{},"value":{},"samples":{},"standard_error":{}}})", pixel.x, pixel.y,
-                     to_json(pixel.value), pixel.samples, to_json(pixel.standard_error));
+  return fmt::format(R"({{"x":{},"y":{},"value":{},"samples":{},"standard_error":{}{}}})", pixel.x, pixel.y,
+                     to_json(pixel.value), pixel.samples, to_json(pixel.standard_error),
+                     pixel.layer ? to_json(*pixel.layer) : "");
 }
 
 core::Result<std::vector<std::optional<TileState>>> read_tile_states(

@@ -10,6 +10,7 @@
 
 #include "core/base/error.hpp"
 #include "core/view/encoded_tiles.hpp"
+#include "core/view/shown_layer.hpp"
 #include "core/view/tile_source.hpp"
 
 namespace tessera::view {
@@ -23,11 +24,14 @@ struct PixelValue {
   core::Rgb value;
   std::uint32_t samples = 0;
   core::Rgb standard_error;
+  // Of a layer, besides those of the beauty.
+  std::optional<LayerValues> layer{};
 };
 
-// OUT_OF_RANGE if the pixel is not in the image.
-core::Result<PixelValue> read_pixel(TileSource& source, int x, int y);
-// {"x":..,"y":..,"value":[r,g,b],"samples":..,"standard_error":[r,g,b]}
+// OUT_OF_RANGE if the pixel is not in the image, INVALID_ARGUMENT if that has no such layer.
+core::Result<PixelValue> read_pixel(TileSource& source, int x, int y, const ShownLayer& layer = {});
+// {"x":..,"y":..,"value":[r,g,b],"samples":..,"standard_error":[r,g,b]}, and of a layer
+// "layer":{"channels":[..], "values":[..]}, in which numbers that are not finite are null.
 std::string to_json(const PixelValue& pixel);
 
 struct TileState {

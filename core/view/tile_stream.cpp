@@ -114,8 +114,9 @@ bool TileStream::write_tile(const TileQueue::Next& next, JoinedTiles& joined, st
   const TileChange& change = next.change;
   const int level = next.is_coarse ? std::min(query_.level + kCoarser, kMaxLevel) : query_.level;
   const core::PixelRect rect = grid_->rect(change.tile);
-  const auto tile = settings_.tiles.get({source_->id(), change.tile, format_of_level(level), level},
-                                        change.revision, rect, [&] { return source_->read(change); });
+  const auto tile =
+      settings_.tiles.get({source_->id(), change.tile, format_of_level(level), level, query_.layer},
+                          change.revision, rect, [&] { return source_->read(change); });
   if (!tile) {
     if (!next.is_coarse) queue_->add(change, false);
     retry_at_ = now + kRetryInterval;

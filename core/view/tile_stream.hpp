@@ -28,7 +28,7 @@ struct StreamSettings {
 
 class TileStream final : public http::BodySource {
  public:
-  // `settings` must outlive the stream.
+  // `settings` must outlive the stream. The image must have the layer that is asked for.
   TileStream(std::shared_ptr<TileSource> source, const StreamQuery& query, const StreamSettings& settings);
 
   State read(std::string& out, std::size_t max_bytes) override;

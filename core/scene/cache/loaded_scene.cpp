@@ -64,6 +64,10 @@ struct Elements {
                             primitives += mesh.triangles.size();
                           },
                           [this](const QuadDescription&) { vertices += 4, primitives += 2; },
+                          [this](const CurvesDescription& curves) {
+                            vertices += curves.strands.points.size();
+                            primitives += kMaxCurveParts * segment_count(curves.strands);
+                          },
                           [this](const auto&) { ++primitives; }},
                shape);
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/cache/scene_digest.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <span>
 
@@ -30,15 +32,20 @@ Checksum checksum_of_parts(const Parts&... parts) {
 }
 
 // Adds to the parts that are animated.
-template <typename Camera, typename Instances, typename Lights>
+template <typename Camera, typename Instances, typename Lights, typename Materials, typename Media,
+          typename Environment>
 void mix_in(SceneDigest& digest, const Animation& animation, const Camera& camera, const Instances& instances,
-            const Lights& lights) {
+            const Lights& lights, const Materials& materials, const Media& media,
+            const Environment& environment) {
   const auto mix = [](Checksum& part, const auto& more) {
     part = checksum_of_parts(part.low, part.high, more);
   };
   if (is_animated(animation.camera)) mix(digest.camera, camera);
   if (!animation.instances.empty()) mix(digest.shapes, instances);
   if (!animation.lights.empty()) mix(digest.lights, lights);
+  if (!animation.materials.empty()) mix(digest.materials, materials);
+  if (!animation.media.empty()) mix(digest.materials, media);
+  if (!animation.environment.empty()) mix(digest.environment, environment);
 }
 
 }  // namespace
@@ -51,13 +58,22 @@ SceneDigest digest_of(const SceneDescription& scene) {
                      .shapes = checksum_of_parts(scene.objects, scene.shapes),
                      .lights = checksum_of_parts(scene.lights),
                      .environment = checksum_of_parts(scene.environment)};
-  mix_in(digest, animation, animation.camera, animation.instances, animation.lights);
+  mix_in(digest, animation, animation.camera, animation.instances, animation.lights, animation.materials,
+         animation.media, animation.environment);
   return digest;
+}
+
+std::string digest_text(const SceneDigest& digest) {
+  std::string text;
+  for (const Checksum& part :
+       {digest.camera, digest.textures, digest.materials, digest.shapes, digest.lights, digest.environment})
+    text += fmt::format("{:016x}{:016x}", part.high, part.low);
+  return text;
 }
 
 SceneDigest digest_at_frame(const SceneDigest& scene, const Animation& animation, std::int32_t frame) {
   SceneDigest digest = scene;
-  mix_in(digest, animation, frame, frame, frame);
+  mix_in(digest, animation, frame, frame, frame, frame, frame, frame);
   return digest;
 }
 

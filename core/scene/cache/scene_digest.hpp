@@ -2,6 +2,8 @@
 // Identifies a scene by what its files contain: two scenes with the same digest render the same samples.
 #pragma once
 
+#include <string>
+
 #include "core/scene/cache/block_file.hpp"
 #include "core/scene/description.hpp"
 
@@ -15,6 +17,8 @@ struct SceneDigest {
 };
 
 SceneDigest digest_of(const SceneDescription& scene);
+// All of it in hexadecimal digits, for files and messages.
+std::string digest_text(const SceneDigest& digest);
 // The digest of the scene at a frame, from that of the scene.
 SceneDigest digest_at_frame(const SceneDigest& scene, const Animation& animation, std::int32_t frame);
 

@@ -25,17 +25,21 @@ auto fields(Is<PixelRect> auto& value) {
   auto& [x0, y0, x1, y1] = value;
   return std::tie(x0, y0, x1, y1);
 }
+auto fields(Is<LayerSet> auto& value) {
+  auto& [bits] = value;
+  return std::tie(bits);
+}
 auto fields(Is<RenderSettings> auto& value) {
-  auto& [width_px, height_px, spp, seed, integrator, heuristic, max_depth, clamp_indirect, filter, crop] =
-      value;
+  auto& [width_px, height_px, spp, seed, integrator, heuristic, max_depth, clamp_indirect, filter, crop,
+         layers] = value;
   return std::tie(width_px, height_px, spp, seed, integrator, heuristic, max_depth, clamp_indirect, filter,
-                  crop);
+                  crop, layers);
 }
 auto fields(Is<CameraDescription> auto& value) {
-  auto& [position, look_at, up, fov, radius, focus, blades, rotation, type, view_height, shift, mirrored] =
-      value;
+  auto& [position, look_at, up, fov, radius, focus, blades, rotation, type, view_height, shift, mirrored,
+         shutter_open, shutter_close] = value;
   return std::tie(position, look_at, up, fov, radius, focus, blades, rotation, type, view_height, shift,
-                  mirrored);
+                  mirrored, shutter_open, shutter_close);
 }
 auto fields(Is<DisplaySettings> auto& value) {
   auto& [exposure_stops, tone_curve] = value;
@@ -65,9 +69,13 @@ auto fields(Is<Mirror> auto& value) {
   auto& [reflectance] = value;
   return std::tie(reflectance);
 }
+auto fields(Is<MicrofacetKind> auto& value) {
+  auto& [distribution, masking] = value;
+  return std::tie(distribution, masking);
+}
 auto fields(Is<Glass> auto& value) {
-  auto& [ior, reflectance, transmittance, fresnel, roughness] = value;
-  return std::tie(ior, reflectance, transmittance, fresnel, roughness);
+  auto& [ior, reflectance, transmittance, fresnel, roughness, microfacets] = value;
+  return std::tie(ior, reflectance, transmittance, fresnel, roughness, microfacets);
 }
 auto fields(Is<Phong> auto& value) {
   auto& [diffuse, specular, exponent, lobe] = value;
@@ -91,12 +99,12 @@ auto fields(Is<Principled> auto& value) {
                   thin_film_ior, geometry_thin_walled);
 }
 auto fields(Is<Plastic> auto& value) {
-  auto& [diffuse, specular, ior, roughness, nonlinear] = value;
-  return std::tie(diffuse, specular, ior, roughness, nonlinear);
+  auto& [diffuse, specular, ior, roughness, nonlinear, microfacets, compensated] = value;
+  return std::tie(diffuse, specular, ior, roughness, nonlinear, microfacets, compensated);
 }
 auto fields(Is<ConductorMaterial> auto& value) {
-  auto& [eta, k, specular, roughness, anisotropy] = value;
-  return std::tie(eta, k, specular, roughness, anisotropy);
+  auto& [eta, k, specular, roughness, anisotropy, microfacets] = value;
+  return std::tie(eta, k, specular, roughness, anisotropy, microfacets);
 }
 auto fields(Is<DiffuseTransmission> auto& value) {
   auto& [reflectance, transmittance] = value;
@@ -112,6 +120,10 @@ auto fields(Is<Blend> auto& value) {
 }
 auto fields(Is<Null> auto&) {
   return std::tie();
+}
+auto fields(Is<Hair> auto& value) {
+  auto& [pigment, reflectance, sigma_a, eumelanin, pheomelanin, beta_m, beta_n, ior, tilt] = value;
+  return std::tie(pigment, reflectance, sigma_a, eumelanin, pheomelanin, beta_m, beta_n, ior, tilt);
 }
 auto fields(Is<NormalMap> auto& value) {
   auto& [texture, strength] = value;
@@ -161,6 +173,14 @@ auto fields(Is<CylinderDescription> auto& value) {
   auto& [start, axis, radius_u, radius_v, flipped, material] = value;
   return std::tie(start, axis, radius_u, radius_v, flipped, material);
 }
+auto fields(Is<CurveStrands> auto& value) {
+  auto& [basis, shape, points, radii, counts, normals] = value;
+  return std::tie(basis, shape, points, radii, counts, normals);
+}
+auto fields(Is<CurvesDescription> auto& value) {
+  auto& [strands, material] = value;
+  return std::tie(strands, material);
+}
 auto fields(Is<Transform> auto& value) {
   auto& [x_axis, y_axis, z_axis, origin] = value;
   return std::tie(x_axis, y_axis, z_axis, origin);
@@ -174,12 +194,16 @@ auto fields(Is<ObjectDescription> auto& value) {
   return std::tie(name, shapes, shape_names);
 }
 auto fields(Is<PointLightDescription> auto& value) {
-  auto& [position, intensity] = value;
-  return std::tie(position, intensity);
+  auto& [position, intensity, texture, orientation] = value;
+  return std::tie(position, intensity, texture, orientation);
+}
+auto fields(Is<ProjectedImage> auto& value) {
+  auto& [texture, right, up, flat_field] = value;
+  return std::tie(texture, right, up, flat_field);
 }
 auto fields(Is<SpotLightDescription> auto& value) {
-  auto& [position, look_at, intensity, angle, softness] = value;
-  return std::tie(position, look_at, intensity, angle, softness);
+  auto& [position, look_at, intensity, angle, softness, falloff, image] = value;
+  return std::tie(position, look_at, intensity, angle, softness, falloff, image);
 }
 auto fields(Is<DirectionalLightDescription> auto& value) {
   auto& [direction, irradiance] = value;
@@ -207,6 +231,24 @@ auto fields(Is<LightAnimation> auto& value) {
   auto& [light, position, look_at, direction, color, angle, softness] = value;
   return std::tie(light, position, look_at, direction, color, angle, softness);
 }
+template <typename T>
+inline constexpr bool kIsKeyedTrack = false;
+template <typename T>
+inline constexpr bool kIsKeyedTrack<KeyedTrack<T>> = true;
+template <typename T>
+requires kIsKeyedTrack<std::remove_const_t<T>>
+auto fields(T& value) {
+  auto& [key, track] = value;
+  return std::tie(key, track);
+}
+auto fields(Is<ParameterTracks> auto& value) {
+  auto& [numbers, colors] = value;
+  return std::tie(numbers, colors);
+}
+auto fields(Is<IndexedTracks> auto& value) {
+  auto& [index, tracks] = value;
+  return std::tie(index, tracks);
+}
 auto fields(Is<ScaleMotion> auto& value) {
   auto& [factors] = value;
   return std::tie(factors);
@@ -228,12 +270,13 @@ auto fields(Is<InstanceMotion> auto& value) {
   return std::tie(shape, steps);
 }
 auto fields(Is<Animation> auto& value) {
-  auto& [camera, lights, instances] = value;
-  return std::tie(camera, lights, instances);
+  auto& [camera, lights, instances, materials, media, environment] = value;
+  return std::tie(camera, lights, instances, materials, media, environment);
 }
+// `contents` are for those who read the scene's file itself.
 auto fields(Is<SceneDescription> auto& value) {
   auto& [settings, camera, camera_medium, display, textures, grids, media, materials, objects, shapes, names,
-         lights, environment, animation, warnings] = value;
+         lights, environment, animation, contents, warnings] = value;
   return std::tie(settings, camera, camera_medium, display, textures, grids, media, materials, objects,
                   shapes, names, lights, environment, animation, warnings);
 }
@@ -266,6 +309,14 @@ constexpr bool is_known(FilterKind value) {
     case FilterKind::kBox:
     case FilterKind::kTent:
     case FilterKind::kGaussian:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(SpotFalloff value) {
+  switch (value) {
+    case SpotFalloff::kSmooth:
+    case SpotFalloff::kLinear:
       return true;
   }
   return false;
@@ -303,6 +354,34 @@ constexpr bool is_known(CameraType value) {
     case CameraType::kPerspective:
     case CameraType::kOrthographic:
     case CameraType::kPanoramic:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(HairPigment value) {
+  switch (value) {
+    case HairPigment::kReflectance:
+    case HairPigment::kAbsorption:
+    case HairPigment::kMelanin:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(CurveBasis value) {
+  switch (value) {
+    case CurveBasis::kLinear:
+    case CurveBasis::kBezier:
+    case CurveBasis::kBSpline:
+    case CurveBasis::kCatmullRom:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(CurveShape value) {
+  switch (value) {
+    case CurveShape::kRound:
+    case CurveShape::kFlat:
+    case CurveShape::kRibbon:
       return true;
   }
   return false;
@@ -352,6 +431,22 @@ constexpr bool is_known(Conductor value) {
     case Conductor::kTungsten:
     case Conductor::kMercury:
     case Conductor::kTitaniumNitride:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(MicrofacetDistribution value) {
+  switch (value) {
+    case MicrofacetDistribution::kGgx:
+    case MicrofacetDistribution::kBeckmann:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(SmithMasking value) {
+  switch (value) {
+    case SmithMasking::kCorrelated:
+    case SmithMasking::kSeparable:
       return true;
   }
   return false;

@@ -39,6 +39,7 @@ Aabb shape_bounds(const ShapeDescription& shape, const std::vector<Aabb>& object
                           if (Cylinder::can_be_hit(c.start, c.axis, c.radius_u, c.radius_v))
                             box.include(geometry_of(c).bounds());
                         },
+                        [&](const CurvesDescription& curves) { box.include(bounds_of(curves.strands)); },
                         [&](const InstanceDescription& instance) {
                           if (instance.object < objects.size())
                             box.include(transformed_box(objects[instance.object], instance.to_world));

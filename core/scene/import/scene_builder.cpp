@@ -21,6 +21,7 @@ SceneBuilder::SceneBuilder(AssetSource& assets, std::string scene_path, std::str
       scene_path_(std::move(scene_path)),
       display_path_(std::move(display_path)),
       limits_(limits),
+      warnings_(limits.warnings),
       cache_(assets, limits, warnings_) {}
 
 std::string SceneBuilder::shown(const std::string& path) const {
@@ -108,6 +109,26 @@ Status SceneBuilder::add_mesh(MeshDescription mesh, std::string name, std::optio
   return {};
 }
 
+Status SceneBuilder::add_curves(CurvesDescription curves, std::string name,
+                                std::optional<std::uint32_t> object, const std::string& file) {
+  const CurveStrands& strands = curves.strands;
+  if (auto fits = count_triangles(file, kMaxCurveParts * segment_count(strands)); !fits) return fits;
+  auto& shapes = object ? scene_.objects[*object].shapes : scene_.shapes;
+  auto* last = shapes.empty() ? nullptr : std::get_if<CurvesDescription>(&shapes.back());
+  const auto has_own_radii = [](const CurveStrands& all) { return all.radii.size() == all.points.size(); };
+  if (last == nullptr || last->material != curves.material || last->strands.basis != strands.basis ||
+      last->strands.shape != strands.shape || !has_own_radii(last->strands) || !has_own_radii(strands)) {
+    add_shape(std::move(curves), std::move(name), object);
+    return {};
+  }
+  const auto append = [](auto& all, const auto& more) { all.insert(all.end(), more.begin(), more.end()); };
+  append(last->strands.points, strands.points);
+  append(last->strands.radii, strands.radii);
+  append(last->strands.counts, strands.counts);
+  append(last->strands.normals, strands.normals);
+  return {};
+}
+
 void SceneBuilder::add_shape(ShapeDescription shape, std::string name, std::optional<std::uint32_t> object) {
   auto& shapes = object ? scene_.objects[*object].shapes : scene_.shapes;
   auto& names = object ? scene_.objects[*object].shape_names : scene_.shape_names;
@@ -129,10 +150,18 @@ void SceneBuilder::set_camera(const CameraDescription& camera) {
   has_camera_ = true;
 }
 
+// With the first warnings, which say why.
+Error SceneBuilder::nothing_to_render() const {
+  constexpr std::size_t kMaxReasons = 10;
+  std::string message = display_path_ + ": has no shape that can be rendered";
+  const std::vector<std::string> reasons = warnings_.messages();
+  for (std::size_t i = 0; i < std::min(reasons.size(), kMaxReasons); ++i) message += '\n' + reasons[i];
+  return {ErrorCode::kInvalidArgument, std::move(message)};
+}
+
 Result<SceneDescription> SceneBuilder::finish(const SceneDefaults& defaults) {
   remove_empty_objects(scene_);
-  if (scene_.shapes.empty())
-    return fail(ErrorCode::kInvalidArgument, display_path_ + ": has no shape that can be rendered");
+  if (scene_.shapes.empty()) return fail(nothing_to_render());
   if (!has_camera_ && defaults.camera) {
     const auto [width, height] = std::pair(scene_.settings.width_px, scene_.settings.height_px);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);

@@ -123,6 +123,10 @@ class SceneBuilder {
   // warning at `file`. RESOURCE_EXHAUSTED beyond the limit on triangles. `name` names the shape in messages.
   Status add_mesh(MeshDescription mesh, std::string name, std::optional<std::uint32_t> object,
                   const std::string& file, int line = 0);
+  // Curves with a radius for each point; those that agree in all else with the curves added before join them.
+  // A segment counts as kMaxCurveParts triangles. RESOURCE_EXHAUSTED as above.
+  Status add_curves(CurvesDescription curves, std::string name, std::optional<std::uint32_t> object,
+                    const std::string& file);
   // A sphere, quad, ... or instance.
   void add_shape(ShapeDescription shape, std::string name, std::optional<std::uint32_t> object = {});
   void add_instance(std::uint32_t object, const Transform& to_world, std::string name,
@@ -146,6 +150,8 @@ class SceneBuilder {
   Result<SceneDescription> finish(const SceneDefaults& defaults);
 
  private:
+  Error nothing_to_render() const;
+
   AssetSource& assets_;
   std::string scene_path_, display_path_;
   const SceneLimits& limits_;

@@ -26,6 +26,13 @@ std::uint64_t mesh_bytes(const MeshDescription& mesh) {
          list_bytes(mesh.triangles) + list_bytes(mesh.triangle_materials) + list_bytes(mesh.colors);
 }
 
+// As if each segment had half of the most parts that it may have.
+std::uint64_t curve_bytes(const CurveStrands& strands) {
+  constexpr std::uint64_t kPartBytes = 16, kPointBytes = 16;
+  return kPointBytes * strands.points.size() +
+         kMaxCurveParts / 2 * (kTreeBytesPerPrimitive + kPartBytes) * segment_count(strands);
+}
+
 std::uint64_t saturating_sum(std::uint64_t a, std::uint64_t b) {
   const std::uint64_t sum = a + b;
   return sum < a ? std::numeric_limits<std::uint64_t>::max() : sum;
@@ -59,6 +66,9 @@ std::uint64_t SceneCounter::count_shapes(const std::vector<ShapeDescription>& sh
       counts_.memory_bytes += kBytesPerInstance;
       if (instance->object < triangles_of_objects_.size())
         triangles = saturating_sum(triangles, triangles_of_objects_[instance->object]);
+    } else if (const auto* curves = std::get_if<CurvesDescription>(&shape)) {
+      counts_.curve_segments += segment_count(curves->strands);
+      counts_.memory_bytes += curve_bytes(curves->strands);
     } else {
       counts_.memory_bytes += kTreeBytesPerPrimitive + sizeof(ShapeDescription);
     }

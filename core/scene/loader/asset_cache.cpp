@@ -142,7 +142,7 @@ Result<std::shared_ptr<const ObjFile>> AssetCache::obj(const std::string& path) 
   if (known != objs_.end()) return known->second;
   const auto bytes = assets_.read(path);
   if (!bytes) return fail(bytes.error());
-  auto file = read_obj(*bytes, path, limits_.triangles);
+  auto file = read_obj(*bytes, path, limits_.triangles, limits_.warnings);
   if (!file) return fail(file.error());
   auto shared = std::make_shared<const ObjFile>(std::move(*file));
   objs_.emplace(path, shared);
@@ -154,7 +154,8 @@ Result<std::shared_ptr<const MtlFile>> AssetCache::mtl(const std::string& path) 
   if (known != mtls_.end()) return known->second;
   const auto bytes = assets_.read(path);
   if (!bytes) return fail(bytes.error());
-  return mtls_.emplace(path, std::make_shared<const MtlFile>(read_mtl(*bytes))).first->second;
+  return mtls_.emplace(path, std::make_shared<const MtlFile>(read_mtl(*bytes, limits_.warnings)))
+      .first->second;
 }
 
 std::optional<std::string> AssetCache::find(const std::string& written,

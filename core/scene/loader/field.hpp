@@ -134,4 +134,20 @@ T read_animated_or(const ObjectReader& object, std::string_view key, T otherwise
   return field ? read_animated(*field, track, read, args...) : otherwise;
 }
 
+// The same for a parameter whose keyframes go to `tracks`, by its key.
+template <typename T, typename Read, typename... Args>
+T read_animated(const Field& field, std::string_view key, ParameterTracks& tracks, Read read,
+                const Args&... args) {
+  Track<T> track;
+  const T value = read_animated(field, track, read, args...);
+  tracks.add(key, std::move(track));
+  return value;
+}
+template <typename T, typename Read, typename... Args>
+T read_animated_or(const ObjectReader& object, std::string_view key, T otherwise, ParameterTracks& tracks,
+                   Read read, const Args&... args) {
+  const auto field = object.find(key);
+  return field ? read_animated<T>(*field, key, tracks, read, args...) : otherwise;
+}
+
 }  // namespace tessera::core

@@ -4,28 +4,43 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "core/base/printable.hpp"
 
 namespace tessera::core {
-namespace {
-
-constexpr std::size_t kMaxSceneWarnings = 100;
-
-}  // namespace
-
 FileWarnings::Entry* FileWarnings::find(std::string_view kind) {
   const auto found =
       std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.kind == kind; });
   return found == entries_.end() ? nullptr : &*found;
 }
 
+std::vector<FileWarnings::Entry> FileWarnings::ordered() const {
+  std::vector<Entry> entries = entries_;
+  if (!limits_.every_place) {
+    std::stable_sort(entries.begin(), entries.end(),
+                     [](const Entry& a, const Entry& b) { return a.line < b.line; });
+    return entries;
+  }
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    return std::tie(a.line, a.text, a.kind) < std::tie(b.line, b.text, b.kind);
+  });
+  // The same of the same place is told once, such as that of a mesh which several nodes show.
+  std::vector<Entry> distinct;
+  for (Entry& entry : entries) {
+    const bool is_known =
+        !distinct.empty() && distinct.back().line == entry.line && distinct.back().text == entry.text;
+    if (is_known)
+      distinct.back().count += entry.count;
+    else
+      distinct.push_back(std::move(entry));
+  }
+  return distinct;
+}
+
 std::vector<std::string> FileWarnings::messages(std::string_view file) const {
-  std::vector<Entry> ordered = entries_;
-  std::stable_sort(ordered.begin(), ordered.end(),
-                   [](const Entry& a, const Entry& b) { return a.line < b.line; });
   std::vector<std::string> messages;
-  for (const Entry& entry : ordered) {
+  for (const Entry& entry : ordered()) {
     std::string message = printable(file);
     if (entry.line > 0) message += fmt::format(":{}", entry.line);
     message += ": " + printable(entry.text);
@@ -43,16 +58,16 @@ bool SceneWarnings::knows(std::string_view file) const {
 FileWarnings& SceneWarnings::of(std::string_view file) {
   const auto known =
       std::find_if(files_.begin(), files_.end(), [&](const auto& one) { return one.first == file; });
-  return known == files_.end() ? files_.emplace_back(file, FileWarnings()).second : known->second;
+  return known == files_.end() ? files_.emplace_back(file, FileWarnings(limits_)).second : known->second;
 }
 
 std::vector<std::string> SceneWarnings::messages() const {
   std::vector<std::string> all;
   for (const auto& [file, warnings] : files_)
     for (std::string& message : warnings.messages(file)) all.push_back(std::move(message));
-  if (all.size() > kMaxSceneWarnings) {
-    const std::size_t untold = all.size() - kMaxSceneWarnings;
-    all.resize(kMaxSceneWarnings);
+  if (all.size() > limits_.per_scene) {
+    const std::size_t untold = all.size() - limits_.per_scene;
+    all.resize(limits_.per_scene);
     all.push_back(fmt::format("and {} more warnings", untold));
   }
   return all;

@@ -9,6 +9,7 @@
 #include "core/scene/import/nested_instances.hpp"
 #include "core/scene/import/scene_format.hpp"
 #include "core/scene/loader/asset_cache.hpp"
+#include "core/scene/loader/curve_file.hpp"
 #include "core/scene/loader/file_warnings.hpp"
 #include "core/scene/loader/light_limit.hpp"
 #include "core/scene/loader/mesh_builder.hpp"
@@ -21,11 +22,29 @@
 namespace tessera::core {
 namespace {
 
+// The reason why strands are not sound.
+std::string why_unsound(const CurveStrands& strands) {
+  for (std::size_t i = 0; i < strands.counts.size(); ++i)
+    if (!segments_of(strands.basis, strands.counts[i]))
+      return fmt::format("curve {} has {} points; {}", i + 1, strands.counts[i],
+                         strands.basis == CurveBasis::kLinear   ? "it needs 2 or more"
+                         : strands.basis == CurveBasis::kBezier ? "it needs 4, 7, 10, ..."
+                                                                : "it needs 4 or more");
+  if (strands.shape == CurveShape::kRibbon)
+    return "ribbons need 'normals', one more for each curve than it has segments";
+  if (!strands.normals.empty()) return "only ribbons have 'normals'";
+  return "the numbers of points of the curves do not add up to the points";
+}
+
 // Adds assets to the scene description. Errors are added to the Mistakes at the field that names the asset.
 class SceneAssembler {
  public:
   SceneAssembler(AssetSource& assets, Mistakes& mistakes, const SceneLimits& limits)
-      : assets_(assets), cache_(assets, limits, warnings_), mistakes_(mistakes), limits_(limits) {}
+      : assets_(assets),
+        warnings_(limits.warnings),
+        cache_(assets, limits, warnings_),
+        mistakes_(mistakes),
+        limits_(limits) {}
   SceneAssembler(const SceneAssembler&) = delete;
   SceneAssembler& operator=(const SceneAssembler&) = delete;
 
@@ -40,6 +59,9 @@ class SceneAssembler {
   void add_shape(ShapeEntry entry, std::string name, Owner& owner);
   void add_object(ObjectEntry entry);
   Result<MeshDescription> load_mesh(const MeshEntry& entry);
+  template <typename Owner>
+  void add_curves(CurvesEntry entry, std::string name, Owner& owner);
+  Result<CurvesDescription> load_curves(CurvesEntry entry);
   Result<MeshDescription> load_obj_mesh(const MeshEntry& entry);
   // From a PLY or STL file.
   Result<MeshDescription> load_indexed_mesh(const MeshEntry& entry, SceneFormat format);
@@ -66,12 +88,17 @@ SceneDescription SceneAssembler::assemble(SceneFile file) {
   scene_.environment = file.environment;
   scene_.animation.camera = std::move(file.camera_animation);
   scene_.animation.lights = std::move(file.light_animations);
+  scene_.animation.media = std::move(file.media_animations);
+  scene_.animation.environment = std::move(file.environment_animation);
   for (const auto& texture : file.textures) add_texture(texture);
   for (const auto& grid : file.grids) add_grid(grid);
   scene_.media = std::move(file.media);
   scene_.camera_medium = file.camera_medium;
   std::vector<Place> material_places;
   for (auto& entry : file.materials) {
+    if (!entry.tracks.empty())
+      scene_.animation.materials.push_back(
+          {static_cast<std::uint32_t>(scene_.materials.size()), std::move(entry.tracks)});
     scene_.materials.push_back(std::move(entry.material));
     material_places.push_back(std::move(entry.place));
   }
@@ -137,11 +164,51 @@ void SceneAssembler::add_shape(ShapeEntry entry, std::string name, Owner& owner)
     owner.shape_names.push_back(std::move(name));
     return;
   }
+  if (auto* curves = std::get_if<CurvesEntry>(&entry.shape))
+    return add_curves(std::move(*curves), std::move(name), owner);
   const auto& mesh_entry = *std::get_if<MeshEntry>(&entry.shape);
   auto mesh = load_mesh(mesh_entry);
   if (!mesh) return mistakes_.add(mesh_entry.file_place, mesh.error().message, mesh.error().code);
   owner.shapes.emplace_back(std::move(*mesh));
   owner.shape_names.push_back(fmt::format("{} ({})", name, mesh_entry.file));
+}
+
+template <typename Owner>
+void SceneAssembler::add_curves(CurvesEntry entry, std::string name, Owner& owner) {
+  const Place place = entry.file.empty() ? entry.place : entry.file_place;
+  if (!entry.file.empty()) name += fmt::format(" ({})", entry.file);
+  auto curves = load_curves(std::move(entry));
+  if (!curves) return mistakes_.add(place, curves.error().message, curves.error().code);
+  owner.shapes.emplace_back(std::move(*curves));
+  owner.shape_names.push_back(std::move(name));
+}
+
+// A segment counts as many triangles as it may have parts.
+Result<CurvesDescription> SceneAssembler::load_curves(CurvesEntry entry) {
+  CurveStrands strands = std::move(entry.strands);
+  if (!entry.file.empty()) {
+    const auto bytes = assets_.read(entry.file);
+    if (!bytes) return fail(bytes.error());
+    auto read = read_curve_file(*bytes, entry.file);
+    if (!read) return fail(read.error());
+    read->basis = strands.basis;
+    read->shape = strands.shape;
+    if (read->normals.empty()) read->normals = std::move(strands.normals);
+    strands = std::move(*read);
+  }
+  if (strands.radii.empty() != entry.radius.has_value())
+    return fail(ErrorCode::kInvalidArgument, entry.radius
+                                                 ? "leave 'radius' out where points have radii of their own"
+                                                 : "curves need a 'radius', or a radius of each point");
+  if (entry.radius) strands.radii = {*entry.radius};
+  if (!Curves::is_sound(strands)) return fail(ErrorCode::kInvalidArgument, why_unsound(strands));
+  if (auto counted = count_triangles(entry.file, kMaxCurveParts * segment_count(strands)); !counted)
+    return fail(counted.error());
+  const float scale = entry.transform.scales().x;
+  for (Vec3& point : strands.points) point = entry.transform.point(point);
+  for (float& radius : strands.radii) radius *= scale;
+  for (Vec3& normal : strands.normals) normal = entry.transform.normal(normal);
+  return CurvesDescription{std::move(strands), entry.material};
 }
 
 Result<MeshDescription> SceneAssembler::load_mesh(const MeshEntry& entry) {

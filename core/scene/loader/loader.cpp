@@ -45,18 +45,23 @@ Result<SceneDescription> load(AssetSource& assets, const std::string& scene_path
 Result<SceneDescription> load_scene(AssetSource& assets, const std::string& scene_path,
                                     const std::string& display_path, const SceneLimits& limits) {
   try {
-    return load(assets, scene_path, display_path, limits);
+    auto scene = load(assets, scene_path, display_path, limits);
+    // What is left of the image where the environment is hidden needs alpha to be of use.
+    if (scene && scene->environment && !scene->environment->visible_to_camera)
+      scene->settings.layers = scene->settings.layers.with(Layer::kAlpha);
+    return scene;
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kResourceExhausted, display_path + ": the scene does not fit into memory");
   }
 }
 
 Result<SceneDescription> load_scene_file(const std::string& path,
-                                         const std::vector<ParameterOverride>& overrides) {
+                                         const std::vector<ParameterOverride>& overrides,
+                                         const SceneLimits& limits) {
   const std::filesystem::path file(path);
   FolderAssets folder(file.parent_path().string());
   OverriddenAssets assets(folder, file.filename().string(), overrides);
-  return load_scene(assets, file.filename().string(), path);
+  return load_scene(assets, file.filename().string(), path, limits);
 }
 
 }  // namespace tessera::core

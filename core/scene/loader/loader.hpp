@@ -28,6 +28,7 @@ Result<SceneDescription> load_scene(AssetSource& assets, const std::string& scen
 
 // Loads a local scene file, with these parameters replaced, and the files beside it.
 Result<SceneDescription> load_scene_file(const std::string& path,
-                                         const std::vector<ParameterOverride>& overrides = {});
+                                         const std::vector<ParameterOverride>& overrides = {},
+                                         const SceneLimits& limits = {});
 
 }  // namespace tessera::core

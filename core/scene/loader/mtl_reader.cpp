@@ -84,7 +84,9 @@ bool is_one_of(std::span<const std::string_view> words, std::string_view keyword
 
 class MtlReader {
  public:
-  explicit MtlReader(std::string_view text) : rest_(text) {}
+  MtlReader(std::string_view text, const WarningLimits& warnings) : rest_(text) {
+    file_.warnings = FileWarnings(warnings);
+  }
 
   MtlFile read();
 
@@ -189,9 +191,9 @@ void MtlReader::unused(std::string_view keyword, std::string_view line) {
 
 }  // namespace
 
-MtlFile read_mtl(std::string_view bytes) {
+MtlFile read_mtl(std::string_view bytes, const WarningLimits& warnings) {
   std::string converted;
-  return MtlReader(as_utf8(bytes, converted)).read();
+  return MtlReader(as_utf8(bytes, converted), warnings).read();
 }
 
 }  // namespace tessera::core

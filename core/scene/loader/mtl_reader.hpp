@@ -33,6 +33,6 @@ struct MtlFile {
 };
 
 // Lines and values that cannot be parsed are skipped with a warning.
-MtlFile read_mtl(std::string_view bytes);
+MtlFile read_mtl(std::string_view bytes, const WarningLimits& warnings = {});
 
 }  // namespace tessera::core

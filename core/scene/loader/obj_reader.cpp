@@ -304,10 +304,11 @@ const ObjFile::Run& ObjFile::run_of(std::size_t triangle) const {
   return *(after - 1);
 }
 
-Result<ObjFile> read_obj(std::string_view bytes, const std::string& name, const SceneLimit& triangles) {
+Result<ObjFile> read_obj(std::string_view bytes, const std::string& name, const SceneLimit& triangles,
+                         const WarningLimits& warnings) {
   std::string converted;
   bytes = as_utf8(bytes, converted);
-  auto text = scan_obj(bytes, name);
+  auto text = scan_obj(bytes, name, warnings);
   if (!text) return fail(text.error());
   if (text->face_count > triangles.most)
     return fail(

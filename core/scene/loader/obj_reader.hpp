@@ -45,6 +45,7 @@ struct ObjFile {
 // Unusable lines and faces are skipped and reported in the text's warnings. Errors are "NAME: what", where
 // `name` is the file's name in messages: INVALID_ARGUMENT if hardly any face is usable, RESOURCE_EXHAUSTED
 // if there are too many triangles.
-Result<ObjFile> read_obj(std::string_view bytes, const std::string& name, const SceneLimit& triangles = {});
+Result<ObjFile> read_obj(std::string_view bytes, const std::string& name, const SceneLimit& triangles = {},
+                         const WarningLimits& warnings = {});
 
 }  // namespace tessera::core

@@ -35,7 +35,10 @@ constexpr float kLargestUnitColor = 1.01f;
 
 class ObjScanner {
  public:
-  ObjScanner(std::string_view text, const std::string& name) : lines_(text), name_(name) {}
+  ObjScanner(std::string_view text, const std::string& name, const WarningLimits& warnings)
+      : lines_(text), name_(name) {
+    obj_.warnings = FileWarnings(warnings);
+  }
 
   Result<ObjText> scan();
 
@@ -198,8 +201,8 @@ bool is_face(std::string_view keyword) {
   return keyword == "f" || keyword == "fo";
 }
 
-Result<ObjText> scan_obj(std::string_view text, const std::string& name) {
-  return ObjScanner(text, name).scan();
+Result<ObjText> scan_obj(std::string_view text, const std::string& name, const WarningLimits& warnings) {
+  return ObjScanner(text, name, warnings).scan();
 }
 
 }  // namespace tessera::core

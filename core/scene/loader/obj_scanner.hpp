@@ -35,6 +35,6 @@ bool is_face(std::string_view keyword);
 
 // Lines that cannot be parsed are skipped with a warning. Fails only if there are no faces: "NAME: what",
 // where `name` is the file's name in messages.
-Result<ObjText> scan_obj(std::string_view text, const std::string& name);
+Result<ObjText> scan_obj(std::string_view text, const std::string& name, const WarningLimits& warnings = {});
 
 }  // namespace tessera::core

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Replaces parameters of a scene file by their paths, before it is read.
+// Replaces parameters of a scene file by their paths, and chooses among what it holds, before it is read. The
+// file's text is changed, so that both travel with the scene wherever it is read again.
 #pragma once
 
 #include <span>
@@ -14,21 +15,32 @@
 namespace tessera::core {
 
 struct ParameterOverride {
-  std::string path;   // the field's path in error messages: "camera.position", "lights[0].intensity"
+  enum class Kind { kParameter, kSelection };
+
+  // Of a parameter: the field's path in error messages, "camera.position", "lights[0].intensity". Of a
+  // selection: what is chosen (core/scene/import/selection.hpp).
+  std::string path;
   std::string value;  // JSON
+  Kind kind = Kind::kParameter;
 };
 
 // "PATH=VALUE". A value that is a word needs no quotes. INVALID_ARGUMENT names the path.
 Result<ParameterOverride> parse_override(std::string_view text);
 
+// The choice of a camera, scene, variant or animation by its name or number.
+ParameterOverride select_by_name(std::string_view what, const std::string& name);
+// The choice of the time of an animation.
+ParameterOverride select_time(double seconds);
+
 // The scene file with the values replaced, one after the other; lines keep their numbers. An object that
 // lacks the key gets it, so that an unknown key is found when the scene is read. In a Mitsuba scene the path
-// is the name of a parameter, which gets a <default> before all others. INVALID_ARGUMENT names the path, and
+// is the name of a parameter, which gets a <default> before all others. A selection becomes an extension of
+// a glTF file, TESSERA_selection, and a <default> of a Mitsuba scene. INVALID_ARGUMENT names the path, and
 // what is not there. A text that is neither JSON nor XML is returned as it is, for the reader to report.
 Result<std::string> with_overrides(std::string text, std::span<const ParameterOverride> overrides);
 
-// Other files as they are, and the scene file with overrides; INVALID_ARGUMENT if its format has no
-// parameters that can be replaced.
+// Other files as they are, and the scene file with overrides, also the JSON of a .glb file; INVALID_ARGUMENT
+// if its format has no parameters that can be replaced, or nothing to choose.
 class OverriddenAssets : public AssetSource {
  public:
   OverriddenAssets(AssetSource& inner, std::string scene_path, std::vector<ParameterOverride> overrides)

@@ -18,7 +18,7 @@ namespace {
 std::vector<ColorParameter> shares_of(const MaterialModel& model) {
   std::vector<ColorParameter> shares;
   const auto add = [&](std::string_view key, const ColorParameter& parameter) {
-    if (key != "eta" && key != "k") shares.push_back(parameter);
+    if (key != "eta" && key != "k" && key != "sigma_a") shares.push_back(parameter);
   };
   visit_parameters(model, Overloaded{add, [](auto, const ScalarParameter&) {}});
   return shares;

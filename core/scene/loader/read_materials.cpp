@@ -41,6 +41,7 @@ constexpr ScalarRules kOpacity{bounds::kUnit, scene_keys::kTexturedOpacity};
 constexpr ScalarRules kLength{{[](double v) { return v >= 0 && v <= 1e15; }, "between 0 and 1e15"},
                               scene_keys::kTexturedLength};
 constexpr Bounds kIndex{[](double v) { return v >= 0 && v <= 100; }, "between 0 and 100"};
+constexpr Bounds kHairTilt{[](double v) { return v >= -20 && v <= 20; }, "between -20 and 20"};
 constexpr Bounds kStrength{[](double v) { return v >= 0 && v <= 100; }, "between 0 and 100"};
 
 constexpr std::string_view kTextureObject = "a texture as {\"texture\": \"NAME\"}";
@@ -51,35 +52,32 @@ bool is_text(const Field& field) {
 
 // A number, [r, g, b], or {"texture": NAME, "tint": ...} with the keys of `textured`.
 ColorParameter read_color_parameter(const Field& field, const std::vector<TextureEntry>& textures,
-                                    const Bounds& bounds, const ObjectRules& textured) {
+                                    const Bounds& bounds, const ObjectRules& textured, Track<Rgb>& track) {
   if (is_text(field)) {
     field.must_be(fmt::format("a number, a list of 3 numbers or {}", kTextureObject));
     return {};
   }
-  if (!field.value().get_if<JsonValue::Object>()) return {read_color(field, bounds), -1};
+  if (!field.value().get_if<JsonValue::Object>() || has_keyframes(field))
+    return {read_animated(field, track, read_color, bounds), -1};
   const ObjectReader object(field, textured);
   ColorParameter color;
-  color.value = read_or(object, "tint", color.value, read_color, bounds);
+  color.value = read_animated_or(object, "tint", color.value, track, read_color, bounds);
   color.texture = read_or(object, "texture", color.texture, read_texture_name, textures);
   return color;
 }
 
-// Reads a reflectance or transmittance.
-ColorParameter read_share(const Field& field, const std::vector<TextureEntry>& textures) {
-  return read_color_parameter(field, textures, bounds::kUnit, scene_keys::kTexturedColor);
-}
-
 // A number, or {"texture": NAME, "scale": ...}, which uses the red channel.
 ScalarParameter read_scalar(const Field& field, const ScalarRules& rules,
-                            const std::vector<TextureEntry>& textures) {
+                            const std::vector<TextureEntry>& textures, Track<float>& track) {
   if (is_text(field)) {
     field.must_be(fmt::format("{}, or {}", unquoted_number(rules.limits), kTextureObject));
     return 1;
   }
-  if (!field.value().get_if<JsonValue::Object>()) return read_float(field, rules.limits);
+  if (!field.value().get_if<JsonValue::Object>() || has_keyframes(field))
+    return read_animated(field, track, read_float, rules.limits);
   const ObjectReader object(field, rules.textured);
   ScalarParameter scalar = 1;
-  scalar.value = read_or(object, "scale", scalar.value, read_float, rules.limits);
+  scalar.value = read_animated_or(object, "scale", scalar.value, track, read_float, rules.limits);
   scalar.texture = read_or(object, "texture", scalar.texture, read_texture_name, textures);
   return scalar;
 }
@@ -96,7 +94,7 @@ constexpr MapRules kBumpRules{scene_keys::kBump, "height", bounds::kCoordinate};
 
 template <typename Map>
 Map read_map(const Field& field, const MapRules& rules, float Map::*factor,
-             const std::vector<TextureEntry>& textures) {
+             const std::vector<TextureEntry>& textures, Track<float>& track) {
   Map map;
   if (is_text(field)) {
     field.must_be(kTextureObject);
@@ -104,22 +102,48 @@ Map read_map(const Field& field, const MapRules& rules, float Map::*factor,
   }
   const ObjectReader object(field, rules.keys);
   map.texture = read_or(object, "texture", map.texture, read_texture_name, textures);
-  map.*factor = read_or(object, rules.factor, map.*factor, read_float, rules.limits);
+  map.*factor = read_animated_or(object, rules.factor, map.*factor, track, read_float, rules.limits);
   return map;
 }
 
 // Reads the parameters of one material.
 class ParameterReader {
  public:
-  ParameterReader(const Field& field, const ObjectRules& rules, const std::vector<TextureEntry>& textures)
-      : field_(field), object_(field, rules), textures_(textures) {}
+  // Keyframes are added to `tracks`.
+  ParameterReader(const Field& field, const ObjectRules& rules, const std::vector<TextureEntry>& textures,
+                  ParameterTracks& tracks)
+      : field_(field), object_(field, rules), textures_(textures), tracks_(tracks) {}
 
+  ColorParameter color(std::string_view key, const ColorParameter& otherwise, const Bounds& limits,
+                       const ObjectRules& textured) const {
+    const auto field = find(key);
+    if (!field) return otherwise;
+    Track<Rgb> track;
+    const ColorParameter value = read_color_parameter(*field, textures_, limits, textured, track);
+    tracks_.add(key, std::move(track));
+    return value;
+  }
+  // A reflectance or transmittance.
   ColorParameter share(std::string_view key, const ColorParameter& otherwise) const {
-    return read_or(object_, key, otherwise, read_share, textures_);
+    return color(key, otherwise, bounds::kUnit, scene_keys::kTexturedColor);
   }
   ScalarParameter scalar(std::string_view key, const ScalarParameter& otherwise,
                          const ScalarRules& rules) const {
-    return read_or(object_, key, otherwise, read_scalar, rules, textures_);
+    const auto field = find(key);
+    if (!field) return otherwise;
+    Track<float> track;
+    const ScalarParameter value = read_scalar(*field, rules, textures_, track);
+    tracks_.add(key, std::move(track));
+    return value;
+  }
+  template <typename Map>
+  Map map(std::string_view key, const MapRules& rules, float Map::*factor) const {
+    const auto field = find(key);
+    if (!field) return {};
+    Track<float> track;
+    const Map value = read_map(*field, rules, factor, textures_, track);
+    tracks_.add(key, std::move(track));
+    return value;
   }
   template <typename Enum>
   Enum choice(std::string_view key, Enum otherwise, Words words) const {
@@ -130,8 +154,7 @@ class ParameterReader {
   }
   // A constant of a conductor.
   ColorParameter index(std::string_view key, const ColorParameter& otherwise) const {
-    return read_or(object_, key, otherwise, read_color_parameter, textures_, kIndex,
-                   scene_keys::kTexturedIndex);
+    return color(key, otherwise, kIndex, scene_keys::kTexturedIndex);
   }
   std::optional<Field> find(std::string_view key) const { return object_.find(key); }
 
@@ -141,9 +164,9 @@ class ParameterReader {
     visit_parameters(model, Overloaded{[&](std::string_view key, ScalarParameter& number) {
                                          number = scalar(key, number, rules_of(key));
                                        },
-                                       [&](std::string_view key, ColorParameter& color) {
-                                         color = key == "eta" || key == "k" ? index(key, color)
-                                                                            : share(key, color);
+                                       [&](std::string_view key, ColorParameter& value) {
+                                         const bool is_share = key != "eta" && key != "k" && key != "sigma_a";
+                                         value = is_share ? share(key, value) : index(key, value);
                                        }});
   }
 
@@ -161,7 +184,8 @@ class ParameterReader {
  private:
   static const ScalarRules& rules_of(std::string_view key) {
     if (key.ends_with("ior")) return kIor;
-    return key.ends_with("depth") || key.ends_with("thickness") ? kLength : kRoughness;
+    return key.ends_with("depth") || key.ends_with("thickness") || key.ends_with("melanin") ? kLength
+                                                                                            : kRoughness;
   }
 
   // The key, with its default if the file does not set it: 'specular'.
@@ -172,7 +196,15 @@ class ParameterReader {
   Field field_;
   ObjectReader object_;
   const std::vector<TextureEntry>& textures_;
+  ParameterTracks& tracks_;
 };
+
+MicrofacetKind read_microfacets(const ParameterReader& read) {
+  MicrofacetKind kind;
+  kind.distribution = read.choice("distribution", kind.distribution, scene_keys::kDistributions);
+  kind.masking = read.choice("masking", kind.masking, scene_keys::kSmithMaskings);
+  return kind;
+}
 
 Glass read_glass(const ParameterReader& read) {
   Glass glass;
@@ -181,6 +213,7 @@ Glass read_glass(const ParameterReader& read) {
   glass.transmittance = read.share("transmittance", glass.transmittance);
   glass.fresnel = read.choice("fresnel", glass.fresnel, scene_keys::kDielectricFresnels);
   glass.roughness = read.scalar("roughness", glass.roughness, kRoughness);
+  glass.microfacets = read_microfacets(read);
   return glass;
 }
 
@@ -220,12 +253,15 @@ Plastic read_plastic(const ParameterReader& read) {
   Plastic model;
   read.all(model);
   model.nonlinear = read.truth("nonlinear", model.nonlinear);
+  model.microfacets = read_microfacets(read);
+  model.compensated = read.truth("compensated", model.compensated);
   return model;
 }
 
 ConductorMaterial read_conductor(const ParameterReader& read) {
   ConductorMaterial model;
   read.all(model);
+  model.microfacets = read_microfacets(read);
   if (const auto metal = read.find("metal")) {
     const auto index = complex_index(static_cast<Conductor>(read_choice(*metal, scene_keys::kConductors)));
     model.eta = {index.eta, -1};
@@ -233,6 +269,21 @@ ConductorMaterial read_conductor(const ParameterReader& read) {
     if (read.find("eta") || read.find("k"))
       metal->mistake("a metal has its own 'eta' and 'k'; leave them out");
   }
+  return model;
+}
+
+// What is given tells the pigment.
+Hair read_hair(const ParameterReader& read) {
+  Hair model;
+  read.all(model);
+  const auto reflectance = read.find("reflectance"), sigma_a = read.find("sigma_a");
+  const bool has_melanin = read.find("eumelanin") || read.find("pheomelanin");
+  if (sigma_a) model.pigment = HairPigment::kAbsorption;
+  if (reflectance) model.pigment = HairPigment::kReflectance;
+  if ((reflectance ? 1 : 0) + (sigma_a ? 1 : 0) + (has_melanin ? 1 : 0) > 1)
+    (reflectance ? reflectance : sigma_a)
+        ->mistake("hair has one of 'reflectance', 'sigma_a' and melanin; leave the others out");
+  if (const auto tilt = read.find("tilt_degrees")) model.tilt_degrees = read_float(*tilt, kHairTilt);
   return model;
 }
 
@@ -272,14 +323,8 @@ Blend read_blend(const ParameterReader& read, const std::vector<MaterialEntry>& 
 }
 
 // `type` is an index into kMaterialTypes.
-MaterialModel read_model(const Field& field, std::size_t type, const std::vector<TextureEntry>& textures,
+MaterialModel read_model(const ParameterReader& read, std::size_t type,
                          const std::vector<MaterialEntry>& above) {
-  static constexpr std::array kRules{
-      scene_keys::kLambert,        scene_keys::kMirror,       scene_keys::kGlass,
-      scene_keys::kPhong,          scene_keys::kCookTorrance, scene_keys::kPrincipled,
-      scene_keys::kPlastic,        scene_keys::kConductor,    scene_keys::kDiffuseTransmission,
-      scene_keys::kThinDielectric, scene_keys::kBlend,        scene_keys::kNull};
-  const ParameterReader read(field, kRules[type], textures);
   if (type == 0) return Lambert{read.share("albedo", Lambert{}.albedo)};
   if (type == 1) return Mirror{read.share("reflectance", Mirror{}.reflectance)};
   if (type == 2) return read_glass(read);
@@ -291,30 +336,42 @@ MaterialModel read_model(const Field& field, std::size_t type, const std::vector
   if (type == 8) return read_all<DiffuseTransmission>(read);
   if (type == 9) return read_all<ThinDielectric>(read);
   if (type == 10) return read_blend(read, above);
+  if (type == 12) return read_hair(read);
   return Null{};
 }
 
+// Keyframes are added to `tracks`.
 Material read_material(const Field& field, const std::string& name, const std::vector<TextureEntry>& textures,
-                       const std::vector<MediumDescription>& media, const std::vector<MaterialEntry>& above) {
+                       const std::vector<MediumDescription>& media, const std::vector<MaterialEntry>& above,
+                       ParameterTracks& tracks) {
+  static constexpr std::array kRules{scene_keys::kLambert,
+                                     scene_keys::kMirror,
+                                     scene_keys::kGlass,
+                                     scene_keys::kPhong,
+                                     scene_keys::kCookTorrance,
+                                     scene_keys::kPrincipled,
+                                     scene_keys::kPlastic,
+                                     scene_keys::kConductor,
+                                     scene_keys::kDiffuseTransmission,
+                                     scene_keys::kThinDielectric,
+                                     scene_keys::kBlend,
+                                     scene_keys::kNull,
+                                     scene_keys::kHair};
   const auto type = read_type(field, kMaterialTypes, "material");
   if (!type) return {name, Lambert{}};
-  Material material{name, read_model(field, *type, textures, above)};
-  // The model's reader has reported unknown keys already.
-  if (const auto emission = find_member_field(field, "emission"))
-    material.emission =
-        read_color_parameter(*emission, textures, bounds::kNotNegative, scene_keys::kTexturedEmission);
+  const ParameterReader read(field, kRules[*type], textures, tracks);
+  Material material{name, read_model(read, *type, above)};
+  material.emission =
+      read.color("emission", material.emission, bounds::kNotNegative, scene_keys::kTexturedEmission);
   if (const auto sides = find_member_field(field, "emission_sides"))
     material.two_sided_emission = read_choice(*sides, Words(kSides)) == 0;
   const bool microfacets = std::holds_alternative<CookTorrance>(material.model);
   if (const auto sampling = find_member_field(field, "sampling"))
     material.sampling =
         static_cast<Sampling>(read_choice(*sampling, microfacets ? Words(kMicrofacetSamplings) : kSamplings));
-  if (const auto map = find_member_field(field, "normal_map"))
-    material.normal_map = read_map(*map, kNormalMapRules, &NormalMap::strength, textures);
-  if (const auto bump = find_member_field(field, "bump"))
-    material.bump = read_map(*bump, kBumpRules, &BumpMap::height, textures);
-  if (const auto opacity = find_member_field(field, "opacity"))
-    material.opacity = read_scalar(*opacity, kOpacity, textures);
+  material.normal_map = read.map("normal_map", kNormalMapRules, &NormalMap::strength);
+  material.bump = read.map("bump", kBumpRules, &BumpMap::height);
+  material.opacity = read.scalar("opacity", material.opacity, kOpacity);
   if (const auto sides = find_member_field(field, "sides"))
     material.two_sided = read_choice(*sides, Words(kSides)) == 0;
   if (const auto medium = find_member_field(field, "interior_medium"))
@@ -388,8 +445,11 @@ std::vector<TextureEntry> read_textures(const Field& field) {
 std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<TextureEntry>& textures,
                                           const std::vector<MediumDescription>& media) {
   std::vector<MaterialEntry> materials;
-  for (const auto& [name, entry] : read_named(field))
-    materials.push_back({read_material(entry, name, textures, media, materials), entry.place()});
+  for (const auto& [name, entry] : read_named(field)) {
+    ParameterTracks tracks;
+    Material material = read_material(entry, name, textures, media, materials, tracks);
+    materials.push_back({std::move(material), entry.place(), std::move(tracks)});
+  }
   return materials;
 }
 

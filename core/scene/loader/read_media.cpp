@@ -39,15 +39,18 @@ Transform read_grid_transform(const Field& field) {
 }
 
 MediumDescription read_medium(const Field& field, const std::string& name,
-                              const std::vector<GridEntry>& grids) {
+                              const std::vector<GridEntry>& grids, ParameterTracks& tracks) {
   const ObjectReader object(field, scene_keys::kMedium);
   MediumDescription medium;
   medium.name = name;
-  medium.sigma_a = read_or(object, "sigma_a", medium.sigma_a, read_color, bounds::kNotNegative);
-  medium.sigma_s = read_or(object, "sigma_s", medium.sigma_s, read_color, bounds::kNotNegative);
-  medium.scale = read_or(object, "scale", medium.scale, read_float, bounds::kNotNegative);
-  medium.g = read_or(object, "g", medium.g, read_float, kAsymmetry);
-  medium.emission = read_or(object, "emission", medium.emission, read_color, bounds::kNotNegative);
+  medium.sigma_a =
+      read_animated_or(object, "sigma_a", medium.sigma_a, tracks, read_color, bounds::kNotNegative);
+  medium.sigma_s =
+      read_animated_or(object, "sigma_s", medium.sigma_s, tracks, read_color, bounds::kNotNegative);
+  medium.scale = read_animated_or(object, "scale", medium.scale, tracks, read_float, bounds::kNotNegative);
+  medium.g = read_animated_or(object, "g", medium.g, tracks, read_float, kAsymmetry);
+  medium.emission =
+      read_animated_or(object, "emission", medium.emission, tracks, read_color, bounds::kNotNegative);
   medium.absorption_grid = read_or(object, "absorption_grid", medium.absorption_grid, read_grid_name, grids);
   medium.scattering_grid = read_or(object, "scattering_grid", medium.scattering_grid, read_grid_name, grids);
   medium.emission_grid = read_or(object, "emission_grid", medium.emission_grid, read_grid_name, grids);
@@ -81,9 +84,14 @@ std::vector<GridEntry> read_grids(const Field& field) {
   return grids;
 }
 
-std::vector<MediumDescription> read_media(const Field& field, const std::vector<GridEntry>& grids) {
+std::vector<MediumDescription> read_media(const Field& field, const std::vector<GridEntry>& grids,
+                                          std::vector<IndexedTracks>& animations) {
   std::vector<MediumDescription> media;
-  for (const auto& [name, entry] : read_named(field)) media.push_back(read_medium(entry, name, grids));
+  for (const auto& [name, entry] : read_named(field)) {
+    IndexedTracks animation{.index = static_cast<std::uint32_t>(media.size()), .tracks = {}};
+    media.push_back(read_medium(entry, name, grids, animation.tracks));
+    if (!animation.tracks.empty()) animations.push_back(std::move(animation));
+  }
   return media;
 }
 

@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
 #include <utility>
 
-#include "core/base/overloaded.hpp"
 #include "core/geometry/placement.hpp"
 #include "core/scene/analytic_shapes.hpp"
 #include "core/scene/loader/scene_file.hpp"
@@ -296,6 +294,73 @@ ShapeEntry read_cylinder(const Field& field, const std::vector<MaterialEntry>& m
   });
 }
 
+// Lists of the vectors of each curve.
+template <typename Read>
+void read_lists(const Field& field, std::string_view expected, const Read& read) {
+  const auto* lists = field.value().get_if<JsonValue::Array>();
+  if (lists == nullptr || lists->empty()) return field.must_be(expected);
+  for (std::size_t i = 0; i < lists->size(); ++i) {
+    const Field list = field.element(i);
+    const auto* items = list.value().get_if<JsonValue::Array>();
+    if (items == nullptr || items->empty()) return list.must_be("a list of at least one point");
+    read(list, items->size());
+  }
+}
+
+// The coordinates and, as a fourth number, the radius.
+void read_control_point(const Field& field, CurveStrands& strands) {
+  const auto* items = field.value().get_if<JsonValue::Array>();
+  if (items == nullptr || items->size() != 4) {
+    strands.points.push_back(read_vec3(field, bounds::kCoordinate));
+    return;
+  }
+  Vec3 point;
+  for (int axis = 0; axis < 3; ++axis)
+    point[axis] = read_float(field.element(static_cast<std::size_t>(axis)), bounds::kCoordinate);
+  strands.points.push_back(point);
+  strands.radii.push_back(read_float(field.element(3), bounds::kNotNegative));
+}
+
+void read_control_points(const Field& field, CurveStrands& strands) {
+  read_lists(field, "a list of curves, each a list of points [x, y, z] or [x, y, z, radius]",
+             [&](const Field& curve, std::size_t count) {
+               for (std::size_t i = 0; i < count; ++i) read_control_point(curve.element(i), strands);
+               strands.counts.push_back(static_cast<std::uint32_t>(count));
+             });
+  if (!strands.radii.empty() && strands.radii.size() != strands.points.size())
+    field.mistake("either all points have a radius as their fourth number, or none");
+}
+
+ShapeEntry read_curves(const Field& field, const std::vector<MaterialEntry>& materials) {
+  const ObjectReader object(field, scene_keys::kCurves);
+  const Common common = read_common(object, materials);
+  CurvesEntry curves;
+  curves.place = field.place();
+  curves.material = common.material.value_or(0);
+  curves.transform = common.transform();
+  CurveStrands& strands = curves.strands;
+  strands.basis = read_or(object, "basis", strands.basis, read_choice, Words(scene_keys::kCurveBases));
+  strands.shape = read_or(object, "shape", strands.shape, read_choice, Words(scene_keys::kCurveShapes));
+  if (const auto radius = object.find("radius")) curves.radius = read_float(*radius, bounds::kPositive);
+  const auto file = object.find("file"), points = object.find("points");
+  if (file.has_value() == points.has_value()) {
+    field.mistake("curves need either 'points' or a 'file'");
+  } else if (file) {
+    curves.file = read_text(*file);
+    curves.file_place = file->place();
+  } else {
+    read_control_points(*points, strands);
+  }
+  if (const auto normals = object.find("normals"))
+    read_lists(*normals, "a list of normals for each curve", [&](const Field& curve, std::size_t count) {
+      for (std::size_t i = 0; i < count; ++i)
+        strands.normals.push_back(read_vec3(curve.element(i), bounds::kCoordinate));
+    });
+  if (!(uniform_scale(common.transform(), 1e-4f) > 0))
+    field.mistake("curves must stay round: their transform must scale by the same factor in all directions");
+  return {std::move(curves), field.place(), common.placement};
+}
+
 // The index among `objects`.
 std::optional<std::uint32_t> read_object_name(const Field& field, const std::vector<ObjectEntry>& objects) {
   const std::string name = read_text(field);
@@ -337,19 +402,6 @@ ShapeEntry read_instance(const Field& field, const std::vector<MaterialEntry>& m
         "in all directions");
   }
   return entry();
-}
-
-// All frames at which the motion has a keyframe.
-std::set<float> keyframes_of(const std::vector<MotionStep>& motion) {
-  std::set<float> frames;
-  const auto add = [&frames](const auto& track) { frames.insert(track.frames.begin(), track.frames.end()); };
-  for (const MotionStep& step : motion)
-    std::visit(Overloaded{[](const Transform&) {}, [&](const ScaleMotion& s) { add(s.factors); },
-                          [&](const TurnMotion& s) { add(s.degrees); },
-                          [&](const RotationMotion& s) { add(s.rotations); },
-                          [&](const TranslationMotion& s) { add(s.offsets); }},
-               step);
-  return frames;
 }
 
 // Frames between two keyframes are checked when they are rendered.
@@ -421,6 +473,7 @@ std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<Materi
     if (*type == 2) shapes.push_back(read_quad(entry, materials));
     if (*type == 4) shapes.push_back(read_disk(entry, materials));
     if (*type == 5) shapes.push_back(read_cylinder(entry, materials));
+    if (*type == 6) shapes.push_back(read_curves(entry, materials));
     if (*type == 3) shapes.push_back(read_instance(entry, materials, objects));
     if (owner == ShapeOwner::kObject) refuse_motion(shapes.back(), entry);
   }

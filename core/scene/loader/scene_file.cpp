@@ -20,6 +20,19 @@ constexpr Bounds kExposure{[](double v) { return std::fabs(v) <= double{kMaxExpo
 constexpr Bounds kShift{[](double v) { return std::fabs(v) <= double{kMaxLensShift}; },
                         "between -1000 and 1000 widths or heights of the image"};
 
+constexpr Bounds kShutter{[](double v) { return std::fabs(v) <= double{kMaxShutterFrames}; },
+                          "between -1000 and 1000 frames"};
+
+void read_shutter(const Field& field, CameraDescription& camera) {
+  const auto [open, close] = read_vec2(field, kShutter);
+  if (open > close) field.mistake("the shutter must open before it closes: write [open, close]");
+  if (open == close && open != 0)
+    field.mistake(
+        "a shutter that is open for no time shows the frame: write [0, 0], and render another frame");
+  camera.shutter_open = open;
+  camera.shutter_close = close;
+}
+
 bool are_parallel(Vec3 a, Vec3 b) {
   const Vec3 u = normalize(a), v = normalize(b);
   return length(cross(u, v)) < 1e-4f;
@@ -99,6 +112,20 @@ PixelRect read_crop(const Field& field) {
   return {numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
+LayerSet read_layers(const Field& field) {
+  const auto* items = field.value().get_if<JsonValue::Array>();
+  if (items == nullptr) {
+    field.must_be("a list of layers, such as [\"alpha\", \"normal\"]");
+    return {};
+  }
+  LayerSet layers;
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    const std::size_t word = read_choice(field.element(i), scene_keys::kLayers);
+    layers = word == kLayerCount ? kAllLayers : layers.with(static_cast<Layer>(word));
+  }
+  return layers;
+}
+
 // Reports nothing if the size or the window could not be read.
 void check_crop_fits(const Field& field, const RenderSettings& settings, std::size_t mistakes_before) {
   if (field.mistakes().count() != mistakes_before) return;
@@ -130,6 +157,7 @@ RenderSettings read_render(const Field& field) {
   if (std::int64_t{settings.width_px} * settings.height_px > kMaxImagePixels)
     field.mistake(fmt::format("{} x {} pixels are more than the {} that an image may have", settings.width_px,
                               settings.height_px, kMaxImagePixels));
+  settings.layers = read_or(object, "layers", settings.layers, read_layers);
   if (const auto crop = object.find("crop")) {
     settings.crop = read_crop(*crop);
     check_crop_fits(*crop, settings, mistakes_before);
@@ -163,6 +191,7 @@ CameraDescription read_camera(const Field& field, CameraAnimation& a) {
   camera.lens_shift =
       read_animated_or(object, "lens_shift", camera.lens_shift, a.lens_shift, read_vec2, kShift);
   camera.mirrored = read_or(object, "mirror", camera.mirrored, read_bool);
+  if (const auto shutter = object.find("shutter")) read_shutter(*shutter, camera);
   check_camera_keys(camera.type, object, field);
   if (field.mistakes().count() == mistakes_before) check_viewing_direction(camera, field);
   return camera;
@@ -189,7 +218,8 @@ SceneFile parse_scene_file(std::string_view text, const std::string& display_pat
   if (const auto schema = object.find("$schema")) read_text(*schema);
   if (const auto render = object.find("render")) scene.settings = read_render(*render);
   if (const auto grids = object.find("grids")) scene.grids = read_grids(*grids);
-  if (const auto media = object.find("media")) scene.media = read_media(*media, scene.grids);
+  if (const auto media = object.find("media"))
+    scene.media = read_media(*media, scene.grids, scene.media_animations);
   if (const auto camera = object.find("camera")) {
     scene.camera = read_camera(*camera, scene.camera_animation);
     if (const auto medium = find_member_field(*camera, "medium"))
@@ -204,9 +234,10 @@ SceneFile parse_scene_file(std::string_view text, const std::string& display_pat
     scene.shapes = read_shapes(*shapes, scene.materials, scene.objects, ShapeOwner::kScene);
     scene.shapes_place = shapes->place();
   }
-  if (const auto lights = object.find("lights")) scene.lights = read_lights(*lights, scene.light_animations);
+  if (const auto lights = object.find("lights"))
+    scene.lights = read_lights(*lights, scene.textures, scene.light_animations);
   if (const auto environment = object.find("environment"))
-    scene.environment = read_environment(*environment, scene.textures);
+    scene.environment = read_environment(*environment, scene.textures, scene.environment_animation);
   settle_color_spaces(scene);
   return scene;
 }

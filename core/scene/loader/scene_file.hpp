@@ -38,6 +38,7 @@ struct GridEntry {
 struct MaterialEntry {
   Material material;
   Place place;
+  ParameterTracks tracks{};
 };
 
 // The shading normals of a mesh.
@@ -61,6 +62,16 @@ struct MeshEntry {
   Transform transform;
 };
 
+struct CurvesEntry {
+  CurveStrands strands;  // without points and counts if there is a file
+  std::string file;      // empty: the points are in the scene file
+  Place file_place;
+  Place place;
+  std::optional<float> radius{};  // of all points; nullopt: each has its own
+  std::uint32_t material = 0;
+  Transform transform;
+};
+
 // A transform as written.
 struct TransformEntry {
   Transform transform;             // at frame 0
@@ -68,7 +79,7 @@ struct TransformEntry {
 };
 
 struct ShapeEntry {
-  std::variant<MeshEntry, ShapeDescription> shape;
+  std::variant<MeshEntry, ShapeDescription, CurvesEntry> shape;
   Place place;
   // Of an animated shape. Its description is then in its own space, unless it is an instance.
   TransformEntry placement{};
@@ -96,6 +107,8 @@ struct SceneFile {
   std::optional<EnvironmentDescription> environment;
   CameraAnimation camera_animation;
   std::vector<LightAnimation> light_animations;
+  std::vector<IndexedTracks> media_animations;
+  ParameterTracks environment_animation;
 };
 
 // Errors are added to `mistakes`, which names the file; the result is complete only if there are none.
@@ -109,7 +122,9 @@ std::vector<TextureEntry> read_textures(const Field& field);
 // The index in `textures`; -1 after a mistake.
 int read_texture_name(const Field& field, const std::vector<TextureEntry>& textures);
 std::vector<GridEntry> read_grids(const Field& field);
-std::vector<MediumDescription> read_media(const Field& field, const std::vector<GridEntry>& grids);
+// At frame 0; appends to `animations`.
+std::vector<MediumDescription> read_media(const Field& field, const std::vector<GridEntry>& grids,
+                                          std::vector<IndexedTracks>& animations);
 // The index in `media`; kNoMedium after a mistake.
 int read_medium_name(const Field& field, const std::vector<MediumDescription>& media);
 std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<TextureEntry>& textures,
@@ -124,8 +139,11 @@ enum class ShapeOwner { kScene, kObject };
 std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<MaterialEntry>& materials,
                                     const std::vector<ObjectEntry>& objects, ShapeOwner owner);
 // At frame 0; appends to `animations`.
-std::vector<LightDescription> read_lights(const Field& field, std::vector<LightAnimation>& animations);
-EnvironmentDescription read_environment(const Field& field, const std::vector<TextureEntry>& textures);
+std::vector<LightDescription> read_lights(const Field& field, const std::vector<TextureEntry>& textures,
+                                          std::vector<LightAnimation>& animations);
+// At frame 0; fills `tracks`.
+EnvironmentDescription read_environment(const Field& field, const std::vector<TextureEntry>& textures,
+                                        ParameterTracks& tracks);
 // Finite and invertible at all keyframes; the identity after a mistake.
 TransformEntry read_transform(const Field& field);
 

@@ -38,9 +38,10 @@ inline constexpr std::array kSceneKeys{KeyRule{"$schema"},
                                        KeyRule{"grids"},
                                        KeyRule{"media"}};
 inline constexpr std::array kRenderKeys{
-    KeyRule{"width"},         KeyRule{"height"},    KeyRule{"spp"},           KeyRule{"seed"},
-    KeyRule{"integrator"},    KeyRule{"heuristic"}, KeyRule{"max_depth"},     KeyRule{"filter"},
-    KeyRule{"filter_radius"}, KeyRule{"crop"},      KeyRule{"clamp_indirect"}};
+    KeyRule{"width"},     KeyRule{"height"},         KeyRule{"spp"},
+    KeyRule{"seed"},      KeyRule{"integrator"},     KeyRule{"heuristic"},
+    KeyRule{"max_depth"}, KeyRule{"filter"},         KeyRule{"filter_radius"},
+    KeyRule{"crop"},      KeyRule{"clamp_indirect"}, KeyRule{"layers"}};
 inline constexpr std::array kCameraKeys{KeyRule{"position", kRequired},
                                         KeyRule{"look_at", kRequired},
                                         KeyRule{"up"},
@@ -53,7 +54,8 @@ inline constexpr std::array kCameraKeys{KeyRule{"position", kRequired},
                                         KeyRule{"type"},
                                         KeyRule{"view_height"},
                                         KeyRule{"lens_shift"},
-                                        KeyRule{"mirror"}};
+                                        KeyRule{"mirror"},
+                                        KeyRule{"shutter"}};
 inline constexpr std::array kOutputKeys{KeyRule{"exposure"}, KeyRule{"tone_curve"}};
 inline constexpr std::array kTextureKeys{
     KeyRule{"file", kRequired}, KeyRule{"color_space"}, KeyRule{"channel"}, KeyRule{"wrap"},
@@ -82,9 +84,9 @@ constexpr std::array<KeyRule, count + 10> material_keys(const std::array<KeyRule
 
 inline constexpr auto kLambertKeys = material_keys(std::array{KeyRule{"albedo"}});
 inline constexpr auto kMirrorKeys = material_keys(std::array{KeyRule{"reflectance"}});
-inline constexpr auto kGlassKeys =
-    material_keys(std::array{KeyRule{"ior"}, KeyRule{"reflectance"}, KeyRule{"transmittance"},
-                             KeyRule{"fresnel"}, KeyRule{"roughness"}});
+inline constexpr auto kGlassKeys = material_keys(
+    std::array{KeyRule{"ior"}, KeyRule{"reflectance"}, KeyRule{"transmittance"}, KeyRule{"fresnel"},
+               KeyRule{"roughness"}, KeyRule{"distribution"}, KeyRule{"masking"}});
 inline constexpr auto kPhongKeys =
     material_keys(std::array{KeyRule{"diffuse"}, KeyRule{"specular"}, KeyRule{"exponent"}, KeyRule{"lobe"}});
 inline constexpr auto kCookTorranceKeys =
@@ -116,11 +118,12 @@ inline constexpr auto kPrincipledKeys = material_keys(std::array{KeyRule{"base_w
                                                                  KeyRule{"thin_film_thickness"},
                                                                  KeyRule{"thin_film_ior"},
                                                                  KeyRule{"geometry_thin_walled"}});
-inline constexpr auto kPlasticKeys = material_keys(std::array{
-    KeyRule{"diffuse"}, KeyRule{"specular"}, KeyRule{"ior"}, KeyRule{"roughness"}, KeyRule{"nonlinear"}});
-inline constexpr auto kConductorKeys =
-    material_keys(std::array{KeyRule{"metal"}, KeyRule{"eta"}, KeyRule{"k"}, KeyRule{"specular"},
-                             KeyRule{"roughness"}, KeyRule{"anisotropy"}});
+inline constexpr auto kPlasticKeys = material_keys(
+    std::array{KeyRule{"diffuse"}, KeyRule{"specular"}, KeyRule{"ior"}, KeyRule{"roughness"},
+               KeyRule{"nonlinear"}, KeyRule{"distribution"}, KeyRule{"masking"}, KeyRule{"compensated"}});
+inline constexpr auto kConductorKeys = material_keys(
+    std::array{KeyRule{"metal"}, KeyRule{"eta"}, KeyRule{"k"}, KeyRule{"specular"}, KeyRule{"roughness"},
+               KeyRule{"anisotropy"}, KeyRule{"distribution"}, KeyRule{"masking"}});
 inline constexpr auto kDiffuseTransmissionKeys =
     material_keys(std::array{KeyRule{"reflectance"}, KeyRule{"transmittance"}});
 inline constexpr auto kThinDielectricKeys =
@@ -129,6 +132,9 @@ inline constexpr std::array kBlendKeys{KeyRule{"type", kRequired}, KeyRule{"mate
                                        KeyRule{"weight"},          KeyRule{"emission"},
                                        KeyRule{"emission_sides"},  KeyRule{"opacity"},
                                        KeyRule{"interior_medium"}, KeyRule{"exterior_medium"}};
+inline constexpr auto kHairKeys = material_keys(
+    std::array{KeyRule{"reflectance"}, KeyRule{"sigma_a"}, KeyRule{"eumelanin"}, KeyRule{"pheomelanin"},
+               KeyRule{"beta_m"}, KeyRule{"beta_n"}, KeyRule{"ior"}, KeyRule{"tilt_degrees"}});
 inline constexpr std::array kNullKeys{KeyRule{"type", kRequired}, KeyRule{"interior_medium"},
                                       KeyRule{"exterior_medium"}};
 inline constexpr std::array kMeshKeys{
@@ -148,14 +154,26 @@ inline constexpr std::array kCylinderKeys{KeyRule{"type", kRequired}, KeyRule{"s
                                           KeyRule{"end", kRequired},  KeyRule{"radius", kRequired},
                                           KeyRule{"flip_normal"},     KeyRule{"material", kRequired},
                                           KeyRule{"transform"}};
+inline constexpr std::array kCurvesKeys{
+    KeyRule{"type", kRequired}, KeyRule{"file"},   KeyRule{"points"},  KeyRule{"basis"},
+    KeyRule{"shape"},           KeyRule{"radius"}, KeyRule{"normals"}, KeyRule{"material", kRequired},
+    KeyRule{"transform"}};
 inline constexpr std::array kInstanceKeys{KeyRule{"type", kRequired}, KeyRule{"object", kRequired},
                                           KeyRule{"material"}, KeyRule{"transform"}};
 inline constexpr std::array kObjectKeys{KeyRule{"shapes", kRequired}};
 inline constexpr std::array kPointLightKeys{KeyRule{"type", kRequired}, KeyRule{"position", kRequired},
-                                            KeyRule{"intensity", kRequired}};
-inline constexpr std::array kSpotLightKeys{KeyRule{"type", kRequired},    KeyRule{"position", kRequired},
-                                           KeyRule{"look_at", kRequired}, KeyRule{"intensity", kRequired},
-                                           KeyRule{"angle_degrees"},      KeyRule{"softness"}};
+                                            KeyRule{"intensity", kRequired}, KeyRule{"texture"},
+                                            KeyRule{"orientation"}};
+inline constexpr std::array kSpotLightKeys{KeyRule{"type", kRequired},
+                                           KeyRule{"position", kRequired},
+                                           KeyRule{"look_at", kRequired},
+                                           KeyRule{"intensity", kRequired},
+                                           KeyRule{"angle_degrees"},
+                                           KeyRule{"softness"},
+                                           KeyRule{"falloff"},
+                                           KeyRule{"image"}};
+inline constexpr std::array kProjectedImageKeys{KeyRule{"texture", kRequired}, KeyRule{"right", kRequired},
+                                                KeyRule{"up", kRequired}, KeyRule{"flat_field"}};
 inline constexpr std::array kDirectionalLightKeys{KeyRule{"type", kRequired}, KeyRule{"direction", kRequired},
                                                   KeyRule{"irradiance", kRequired}};
 inline constexpr std::array kEnvironmentKeys{KeyRule{"radiance"}, KeyRule{"texture"},
@@ -200,6 +218,7 @@ inline constexpr ObjectRules kThinDielectric{"thin_dielectric material", "/$defs
                                              kThinDielectricKeys};
 inline constexpr ObjectRules kBlend{"blend material", "/$defs/blend", kBlendKeys};
 inline constexpr ObjectRules kNull{"null material", "/$defs/null", kNullKeys};
+inline constexpr ObjectRules kHair{"hair material", "/$defs/hair", kHairKeys};
 inline constexpr ObjectRules kTexturedLength{"textured number", "/$defs/textured_length",
                                              kTexturedScalarKeys};
 inline constexpr ObjectRules kTexturedIndex{"textured colour", "/$defs/textured_index", kTexturedColorKeys};
@@ -208,12 +227,15 @@ inline constexpr ObjectRules kSphere{"sphere", "/$defs/sphere", kSphereKeys};
 inline constexpr ObjectRules kQuad{"quad", "/$defs/quad", kQuadKeys};
 inline constexpr ObjectRules kDisk{"disk", "/$defs/disk", kDiskKeys};
 inline constexpr ObjectRules kCylinder{"cylinder", "/$defs/cylinder", kCylinderKeys};
+inline constexpr ObjectRules kCurves{"curves", "/$defs/curves", kCurvesKeys};
 inline constexpr ObjectRules kInstance{"instance", "/$defs/instance", kInstanceKeys};
 inline constexpr ObjectRules kObject{"object", "/$defs/object", kObjectKeys};
 inline constexpr ObjectRules kTexturedEmission{"textured emission", "/$defs/textured_emission",
                                                kTexturedColorKeys};
 inline constexpr ObjectRules kPointLight{"point light", "/$defs/point", kPointLightKeys};
 inline constexpr ObjectRules kSpotLight{"spot light", "/$defs/spot", kSpotLightKeys};
+inline constexpr ObjectRules kProjectedImage{"projected image", "/$defs/projected_image",
+                                             kProjectedImageKeys};
 inline constexpr ObjectRules kDirectionalLight{"directional light", "/$defs/directional",
                                                kDirectionalLightKeys};
 inline constexpr ObjectRules kEnvironment{"environment", "/properties/environment", kEnvironmentKeys};
@@ -250,6 +272,7 @@ inline constexpr std::array kAllObjects{kScene,
                                         kThinDielectric,
                                         kBlend,
                                         kNull,
+                                        kHair,
                                         kTexturedLength,
                                         kTexturedIndex,
                                         kMesh,
@@ -258,6 +281,7 @@ inline constexpr std::array kAllObjects{kScene,
                                         kInstance,
                                         kDisk,
                                         kCylinder,
+                                        kCurves,
                                         kObject,
                                         kTransformStep,
                                         kRotation,
@@ -266,23 +290,55 @@ inline constexpr std::array kAllObjects{kScene,
                                         kKeyframe,
                                         kPointLight,
                                         kSpotLight,
+                                        kProjectedImage,
                                         kDirectionalLight,
                                         kEnvironment};
 
 // The words of an enumeration, in the order of its values.
+// In the order of Layer, then all of them.
+inline constexpr std::array<std::string_view, 19> kLayers{"alpha",
+                                                          "direct",
+                                                          "indirect",
+                                                          "emission",
+                                                          "environment",
+                                                          "albedo",
+                                                          "normal",
+                                                          "depth",
+                                                          "position",
+                                                          "uv",
+                                                          "object_index",
+                                                          "material_index",
+                                                          "instance_index",
+                                                          "crypto_object",
+                                                          "crypto_material",
+                                                          "crypto_asset",
+                                                          "samples",
+                                                          "standard_error",
+                                                          "all"};
 inline constexpr std::array<std::string_view, 4> kIntegrators{"naive", "nee", "mis", "whitted"};
 inline constexpr std::array<std::string_view, 2> kHeuristics{"balance", "power"};
 inline constexpr std::array<std::string_view, 3> kFilters{"box", "tent", "gaussian"};
 inline constexpr std::array<std::string_view, 3> kToneCurves{"none", "aces", "agx"};
 // In the order of MaterialModel's alternatives.
-inline constexpr std::array<std::string_view, 12> kMaterialTypes{
-    "lambert",         "mirror",        "glass",
-    "phong",           "cook_torrance", "principled",
-    "plastic",         "conductor",     "diffuse_transmission",
-    "thin_dielectric", "blend",         "null"};
+inline constexpr std::array<std::string_view, 13> kMaterialTypes{"lambert",
+                                                                 "mirror",
+                                                                 "glass",
+                                                                 "phong",
+                                                                 "cook_torrance",
+                                                                 "principled",
+                                                                 "plastic",
+                                                                 "conductor",
+                                                                 "diffuse_transmission",
+                                                                 "thin_dielectric",
+                                                                 "blend",
+                                                                 "null",
+                                                                 "hair"};
 inline constexpr std::array<std::string_view, 3> kCameraTypes{"perspective", "orthographic", "panoramic"};
-inline constexpr std::array<std::string_view, 6> kShapeTypes{"mesh",     "sphere", "quad",
-                                                             "instance", "disk",   "cylinder"};
+inline constexpr std::array<std::string_view, 7> kShapeTypes{"mesh", "sphere",   "quad",  "instance",
+                                                             "disk", "cylinder", "curves"};
+inline constexpr std::array<std::string_view, 4> kCurveBases{"linear", "bezier", "b_spline", "catmull_rom"};
+inline constexpr std::array<std::string_view, 3> kCurveShapes{"round", "flat", "ribbon"};
+inline constexpr std::array<std::string_view, 2> kSpotFalloffs{"smooth", "linear"};
 inline constexpr std::array<std::string_view, 3> kLightTypes{"point", "spot", "directional"};
 inline constexpr std::array<std::string_view, 3> kNormals{"file", "smooth", "flat"};
 inline constexpr std::array<std::string_view, 2> kVertexColors{"use", "ignore"};
@@ -298,6 +354,8 @@ inline constexpr std::array<std::string_view, 10> kConductors{
     "copper",   "gold",   "silver",   "aluminium", "brass",
     "chromium", "nickel", "tungsten", "mercury",   "titanium_nitride"};
 inline constexpr std::array<std::string_view, 2> kMaskings{"smith", "schlick"};
+inline constexpr std::array<std::string_view, 2> kDistributions{"ggx", "beckmann"};
+inline constexpr std::array<std::string_view, 2> kSmithMaskings{"smith", "separable"};
 inline constexpr std::array<std::string_view, 3> kMicrofacetSamplings{"bsdf", "uniform", "half_vector"};
 inline constexpr std::span<const std::string_view> kSamplings =
     std::span(kMicrofacetSamplings).first(2);  // for the other materials

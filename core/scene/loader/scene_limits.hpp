@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits on the size of a scene from an untrusted source. The default is no limit beyond the formats', for
-// local scenes. Plain data.
+// Limits on the size of a scene from an untrusted source, and on what is told of it. The default is no limit
+// on sizes beyond the formats', for local scenes. Plain data.
 #pragma once
 
 #include <cstdint>
 #include <limits>
 #include <string>
+
+#include "core/scene/loader/file_warnings.hpp"
 
 namespace tessera::core {
 
@@ -17,13 +19,14 @@ struct SceneLimit {
 
 struct SceneLimits {
   // Triangles of all meshes, including objects', as stored: a file used by two shapes counts twice, an
-  // object with ten instances once.
+  // object with ten instances once. A segment of a curve counts as eight.
   SceneLimit triangles;
   // Pixels of one image, and of all texture images. An image that is read in two colour spaces counts
   // twice.
   SceneLimit texture_pixels, scene_texture_pixels;
   // Emissive triangles and other shapes, including those of every instance.
   SceneLimit lights;
+  WarningLimits warnings{};
 };
 
 }  // namespace tessera::core

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/materials/material.hpp"
+#include "core/scene/parameter_tracks.hpp"
 #include "core/scene/writer/json_text.hpp"
 
 namespace tessera::core {
@@ -15,11 +16,13 @@ struct SceneNames {
   std::vector<std::string> textures, media, materials, objects;
 };
 
-// A number or a colour, with its texture if it has one. `factor` is the key of what multiplies the texture.
-std::string parameter_text(const ColorParameter& parameter, const SceneNames& names);
-std::string parameter_text(const ScalarParameter& parameter, const SceneNames& names);
+// A number or a colour, or its keyframes, with its texture if it has one.
+std::string parameter_text(const ColorParameter& parameter, const SceneNames& names,
+                           const Track<Rgb>& track = {});
+std::string parameter_text(const ScalarParameter& parameter, const SceneNames& names,
+                           const Track<float>& track = {});
 
 // Parameters that have their default are left out.
-std::string material_text(const Material& material, const SceneNames& names);
+std::string material_text(const Material& material, const SceneNames& names, const ParameterTracks& tracks);
 
 }  // namespace tessera::core

@@ -55,6 +55,18 @@ std::string step_text(const MotionStep& step) {
 
 }  // namespace
 
+const Track<float>& number_track(const ParameterTracks& tracks, std::string_view key) {
+  static const Track<float> kNone;
+  const Track<float>* track = tracks.number(key);
+  return track == nullptr ? kNone : *track;
+}
+
+const Track<Rgb>& color_track(const ParameterTracks& tracks, std::string_view key) {
+  static const Track<Rgb> kNone;
+  const Track<Rgb>* track = tracks.color(key);
+  return track == nullptr ? kNone : *track;
+}
+
 std::string transform_text(const Transform& transform) {
   return json_text::list({matrix_step(transform)});
 }

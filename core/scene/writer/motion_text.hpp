@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/math/transform.hpp"
@@ -26,6 +27,10 @@ std::string keyframes_text(const Track<T>& track, const Text& text) {
                             .on_one_line());
   return json_text::Object().add("keyframes", json_text::list(keyframes)).on_one_line();
 }
+
+// The keyframes of a parameter, or none.
+const Track<float>& number_track(const ParameterTracks& tracks, std::string_view key);
+const Track<Rgb>& color_track(const ParameterTracks& tracks, std::string_view key);
 
 // A parameter that may be animated; without keyframes it is `value`.
 template <typename T, typename Text>

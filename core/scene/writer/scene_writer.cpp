@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/writer/scene_writer.hpp"
+#include "core/scene/writer/curve_writer.hpp"
 
 #include <fmt/format.h>
 
@@ -58,6 +59,13 @@ std::vector<std::string> unique_names(const List& list, std::string_view kind) {
   return names;
 }
 
+// Those of the material or medium of the index; empty without keyframes.
+const ParameterTracks& tracks_of(const std::vector<IndexedTracks>& animations, std::size_t index) {
+  static const ParameterTracks kNone;
+  const auto found = std::ranges::find(animations, index, &IndexedTracks::index);
+  return found == animations.end() ? kNone : found->tracks;
+}
+
 class SceneWriter {
  public:
   SceneWriter(const SceneDescription& scene, const std::string& name, const WriteSceneFile& write)
@@ -73,7 +81,8 @@ class SceneWriter {
   Status add_textures(Object& textures);
   Status add_grids(Object& grids);
   static std::string grid_name(int grid) { return fmt::format("grid {}", grid); }
-  static std::string medium_text(const MediumDescription& medium);
+  static std::string medium_text(const MediumDescription& medium, const ParameterTracks& tracks);
+  std::string projected_image_text(const ProjectedImage& image) const;
   std::string light_text(const LightDescription& light, const LightAnimation& animation) const;
   std::vector<std::string> light_texts() const;
   Result<std::vector<std::string>> shape_texts(const std::vector<ShapeDescription>& shapes,
@@ -82,6 +91,7 @@ class SceneWriter {
   std::string instance_text(const InstanceDescription& instance, const InstanceMotion* motion) const;
   std::string disk_text(const DiskDescription& disk) const;
   std::string cylinder_text(const CylinderDescription& cylinder) const;
+  Result<std::string> curves_text(const CurvesDescription& curves);
   Status add_objects(Object& objects);
   // Writes a file into the folder of files, and returns its path.
   Result<std::string> write_file(std::string_view kind, std::size_t number, std::string_view ending,
@@ -94,7 +104,7 @@ class SceneWriter {
   const std::string& name_;
   const WriteSceneFile& write_;
   SceneNames names_;
-  std::size_t meshes_ = 0;
+  std::size_t meshes_ = 0, curves_ = 0;
 };
 
 Result<std::string> SceneWriter::write_file(std::string_view kind, std::size_t number,
@@ -123,6 +133,11 @@ std::string SceneWriter::settings_text() const {
   if (s.crop)
     render.add("crop", json_text::list({integer_text(s.crop->x0), integer_text(s.crop->y0),
                                         integer_text(s.crop->x1), integer_text(s.crop->y1)}));
+  if (!s.layers.empty()) {
+    std::vector<std::string> names;
+    for (const std::string_view name : layer_names(s.layers)) names.push_back(json_text::text(name));
+    render.add("layers", json_text::list(names));
+  }
   return render.on_one_line();
 }
 
@@ -143,6 +158,8 @@ std::string SceneWriter::camera_text() const {
   camera.add_unless(json_text::vector(Vec2{0, 0}), "lens_shift",
                     animated_text(c.lens_shift, a.lens_shift, [](Vec2 v) { return json_text::vector(v); }));
   if (c.mirrored) camera.add("mirror", json_text::boolean(true));
+  camera.add_unless(json_text::vector(Vec2{0, 0}), "shutter",
+                    json_text::vector(Vec2{c.shutter_open, c.shutter_close}));
   camera.add_unless("0", "aperture_radius", animated_text(c.aperture_radius, a.aperture_radius, float_text));
   camera.add_unless("0", "focus_distance", animated_text(c.focus_distance, a.focus_distance, float_text));
   camera.add_unless("0", "aperture_blades", integer_text(c.aperture_blades));
@@ -190,6 +207,15 @@ Status SceneWriter::add_textures(Object& textures) {
   return {};
 }
 
+std::string SceneWriter::projected_image_text(const ProjectedImage& image) const {
+  Object object;
+  object.add("texture", json_text::text(names_.textures[static_cast<std::size_t>(image.texture)]));
+  object.add("right", vec3_text(image.right));
+  object.add("up", vec3_text(image.up));
+  object.add_unless(json_text::boolean(false), "flat_field", json_text::boolean(image.flat_field));
+  return object.on_one_line();
+}
+
 std::string SceneWriter::light_text(const LightDescription& light, const LightAnimation& a) const {
   Object object;
   object.add("type", choice_text(scene_keys::kLightTypes, light.index()));
@@ -197,6 +223,10 @@ std::string SceneWriter::light_text(const LightDescription& light, const LightAn
                  [&](const PointLightDescription& d) {
                    object.add("position", animated_text(d.position, a.position, vec3_text));
                    object.add("intensity", animated_text(d.intensity, a.color, color_text));
+                   if (d.texture >= 0)
+                     object.add("texture",
+                                json_text::text(names_.textures[static_cast<std::size_t>(d.texture)]));
+                   if (d.orientation != Transform()) object.add("orientation", transform_text(d.orientation));
                  },
                  [&](const SpotLightDescription& d) {
                    object.add("position", animated_text(d.position, a.position, vec3_text));
@@ -204,6 +234,9 @@ std::string SceneWriter::light_text(const LightDescription& light, const LightAn
                    object.add("intensity", animated_text(d.intensity, a.color, color_text));
                    object.add("angle_degrees", animated_text(d.angle_degrees, a.angle_degrees, float_text));
                    object.add("softness", animated_text(d.softness, a.softness, float_text));
+                   object.add_unless(choice_text(scene_keys::kSpotFalloffs, SpotFalloff::kSmooth), "falloff",
+                                     choice_text(scene_keys::kSpotFalloffs, d.falloff));
+                   if (d.image.texture >= 0) object.add("image", projected_image_text(d.image));
                  },
                  [&](const DirectionalLightDescription& d) {
                    object.add("direction", animated_text(d.direction, a.direction, vec3_text));
@@ -230,8 +263,12 @@ std::string SceneWriter::environment_text() const {
   if (environment.radiance.texture >= 0)
     object.add("texture",
                json_text::text(names_.textures[static_cast<std::size_t>(environment.radiance.texture)]));
-  object.add("radiance", json_text::color(environment.radiance.value));
-  object.add_unless("0", "rotation_degrees", float_text(environment.rotation_degrees));
+  const ParameterTracks& tracks = scene_.animation.environment;
+  object.add("radiance",
+             animated_text(environment.radiance.value, color_track(tracks, "radiance"), color_text));
+  object.add_unless(
+      "0", "rotation_degrees",
+      animated_text(environment.rotation_degrees, number_track(tracks, "rotation_degrees"), float_text));
   if (environment.orientation != Transform())
     object.add("orientation", transform_text(environment.orientation));
   if (!environment.visible_to_camera) object.add("visible_to_camera", json_text::boolean(false));
@@ -252,13 +289,16 @@ Status SceneWriter::add_grids(Object& grids) {
   return {};
 }
 
-std::string SceneWriter::medium_text(const MediumDescription& medium) {
+std::string SceneWriter::medium_text(const MediumDescription& medium, const ParameterTracks& tracks) {
   Object object;
-  object.add_unless("0", "sigma_a", json_text::color(medium.sigma_a));
-  object.add_unless("0", "sigma_s", json_text::color(medium.sigma_s));
-  object.add_unless("1", "scale", float_text(medium.scale));
-  object.add_unless("0", "g", float_text(medium.g));
-  object.add_unless("0", "emission", json_text::color(medium.emission));
+  const auto add_color = [&](std::string_view key, Rgb value) {
+    object.add_unless("0", key, animated_text(value, color_track(tracks, key), color_text));
+  };
+  add_color("sigma_a", medium.sigma_a);
+  add_color("sigma_s", medium.sigma_s);
+  object.add_unless("1", "scale", animated_text(medium.scale, number_track(tracks, "scale"), float_text));
+  object.add_unless("0", "g", animated_text(medium.g, number_track(tracks, "g"), float_text));
+  add_color("emission", medium.emission);
   const auto add_grid = [&](std::string_view key, int grid) {
     if (grid >= 0) object.add(key, json_text::text(grid_name(grid)));
   };
@@ -343,6 +383,19 @@ std::string SceneWriter::cylinder_text(const CylinderDescription& cylinder) cons
   return object.on_one_line();
 }
 
+Result<std::string> SceneWriter::curves_text(const CurvesDescription& curves) {
+  const CurveStrands& strands = curves.strands;
+  auto path = write_file("curves", curves_++, "ply", write_curve_file(strands));
+  if (!path) return fail(path.error());
+  Object object;
+  object.add("type", json_text::text("curves")).add("file", json_text::text(*path));
+  object.add("basis", choice_text(scene_keys::kCurveBases, strands.basis));
+  object.add("shape", choice_text(scene_keys::kCurveShapes, strands.shape));
+  if (strands.radii.size() == 1) object.add("radius", float_text(strands.radii[0]));
+  object.add("material", material_name(curves.material));
+  return object.on_one_line();
+}
+
 Result<std::vector<std::string>> SceneWriter::shape_texts(
     const std::vector<ShapeDescription>& shapes,
     const std::map<std::uint32_t, const InstanceMotion*>& motions) {
@@ -373,6 +426,7 @@ Result<std::vector<std::string>> SceneWriter::shape_texts(
                        [&](const CylinderDescription& cylinder) -> Result<std::string> {
                          return cylinder_text(cylinder);
                        },
+                       [&](const CurvesDescription& curves) { return curves_text(curves); },
                        [&](const InstanceDescription& instance) -> Result<std::string> {
                          return instance_text(instance, motion == motions.end() ? nullptr : motion->second);
                        },
@@ -401,9 +455,10 @@ Status SceneWriter::write() {
   if (auto added = add_textures(textures); !added) return added;
   if (auto added = add_grids(grids); !added) return added;
   for (std::size_t i = 0; i < scene_.media.size(); ++i)
-    media.add(names_.media[i], medium_text(scene_.media[i]));
+    media.add(names_.media[i], medium_text(scene_.media[i], tracks_of(scene_.animation.media, i)));
   for (std::size_t i = 0; i < scene_.materials.size(); ++i)
-    materials.add(names_.materials[i], material_text(scene_.materials[i], names_));
+    materials.add(names_.materials[i],
+                  material_text(scene_.materials[i], names_, tracks_of(scene_.animation.materials, i)));
   if (auto added = add_objects(objects); !added) return added;
   std::map<std::uint32_t, const InstanceMotion*> motions;
   for (const InstanceMotion& motion : scene_.animation.instances) motions[motion.shape] = &motion;

@@ -31,8 +31,8 @@ export function jobPath(id, rest = '') {
   return `jobs/${encodeURIComponent(id)}${rest}`;
 }
 
-// The parameter that names an image of a job.
-export const imageQuery = (index) => ({image: index > 0 ? String(index) : null});
+// The parameters that name an image of a job, and a layer of it ('' for the beauty).
+export const imageQuery = (index, layer = '') => ({image: index > 0 ? String(index) : null, layer});
 
 export async function toError(response) {
   const body = await response.json().catch(() => ({}));

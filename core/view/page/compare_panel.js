@@ -93,7 +93,7 @@ export class ComparePanel {
     this.take.disabled = true;
     try {
       const {gl, image} = this.viewer;
-      const snapshot = await takeSnapshot(gl, this.job, image, AbortSignal.timeout(60000));
+      const snapshot = await takeSnapshot(gl, this.job, image, this.viewer.layer, AbortSignal.timeout(60000));
       this.snapshots.unshift(snapshot);
       this.snapshots.splice(kMaxSnapshots).forEach((old) => old.store.release());
       this.listChoices();

@@ -130,7 +130,7 @@ export class EventsPanel {
         h(
           'li',
           {},
-          h('time', {datetime: at}, at ? localTime(at) : ''),
+          h('time', {datetime: at, title: at}, at ? localTime(at) : ''),
           h('span.event-kind', {}, kind),
           message && h('span', {}, message),
         ),

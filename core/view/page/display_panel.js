@@ -20,10 +20,21 @@ const kChannels = [
 ];
 const kMostStops = 12;
 
+// "crypto_object" as "Crypto object".
+const layerText = (name) => name.charAt(0).toUpperCase() + name.slice(1).replaceAll('_', ' ');
+
 export class DisplayPanel {
-  constructor(viewer, job) {
+  // layerChanged(): another layer is shown.
+  constructor(viewer, job, layerChanged = () => {}) {
     this.viewer = viewer;
     this.job = job;
+    this.layerChanged = layerChanged;
+    this.layers = ['', ...(job.layers ?? [])];
+    this.layer = select(
+      this.layers.map((name) => [name, name ? layerText(name) : 'Beauty']),
+      viewer.layer,
+      (name) => this.setLayer(name),
+    );
     this.value = h('output.number', {});
     this.exposure = h('input', {
       type: 'range',
@@ -46,7 +57,10 @@ export class DisplayPanel {
     );
     const label = h('label', {for: 'exposure'}, 'Exposure');
     this.exposure.id = 'exposure';
+    const layerField = field('Layer', this.layer);
+    setHidden(layerField, this.layers.length < 2);
     this.element = section('Display', [
+      layerField,
       h('div.field', {}, h('div.field-head', {}, label, this.value, reset), this.exposure),
       h('div.field-row', {}, field('Tone curve', this.curve), field('Channels', this.channel)),
       h('label.check', {}, this.falseColour, ' False colour of luminance'),
@@ -59,6 +73,12 @@ export class DisplayPanel {
     Object.assign(this.viewer.display, change);
     this.show();
     this.viewer.redraw();
+  }
+
+  setLayer(name) {
+    this.viewer.setLayer(name);
+    this.layer.value = name;
+    this.layerChanged();
   }
 
   setExposure = (value) => {
@@ -81,6 +101,11 @@ export class DisplayPanel {
     setHidden(this.legend, !isFalseColour);
   }
 
+  nextLayer() {
+    const at = this.layers.indexOf(this.viewer.layer);
+    this.setLayer(this.layers[(at + 1) % this.layers.length]);
+  }
+
   keys() {
     const next = (list, value) => list[(list.findIndex(([key]) => key === value) + 1) % list.length][0];
     return [
@@ -100,6 +125,7 @@ export class DisplayPanel {
         run: () => this.set({isFalseColour: !this.viewer.display.isFalseColour}),
       },
       {key: 'r', help: 'Reset the display', run: () => this.reset()},
+      ...(this.layers.length < 2 ? [] : [{key: 'l', help: 'Next layer', run: () => this.nextLayer()}]),
     ];
   }
 }

@@ -32,11 +32,12 @@ export function missingParts(region, known) {
 }
 
 export class ImageSource {
-  // `image`: its index in the job. listener.changed(): something to draw; listener.job(job): its newest
-  // state.
-  constructor(gl, job, image, listener) {
+  // `image`: its index in the job; `layer`: the name of one, or ''. listener.changed(): something to draw;
+  // listener.job(job): its newest state.
+  constructor(gl, job, image, layer, listener) {
     this.id = job.id;
     this.image = image;
+    this.layer = layer;
     this.window = jobWindow(job);
     this.listener = listener;
     this.store = new TileStore(gl, this.window);
@@ -152,7 +153,7 @@ export class ImageSource {
   }
 
   query(region, since) {
-    return {level: this.level, region: regionText(region), since, ...imageQuery(this.image)};
+    return {level: this.level, region: regionText(region), since, ...imageQuery(this.image, this.layer)};
   }
 
   caughtUp(header) {
@@ -196,7 +197,7 @@ export class ImageSource {
 
 // A copy of the whole image at this moment, at most about four million texels: rejects if it cannot be
 // fetched.
-export async function takeSnapshot(gl, job, image, signal) {
+export async function takeSnapshot(gl, job, image, layer, signal) {
   const window = jobWindow(job);
   const pixels = (window.x1 - window.x0) * (window.y1 - window.y0);
   const level = Math.min(6, Math.max(0, Math.ceil(Math.log2(pixels / 4.5e6) / 2)));
@@ -206,7 +207,7 @@ export async function takeSnapshot(gl, job, image, signal) {
   let taken = job;
   let isDone = false;
   try {
-    const query = {level, region: regionText(window), since: 0, ...imageQuery(image)};
+    const query = {level, region: regionText(window), since: 0, ...imageQuery(image, layer)};
     await readTiles(job.id, query, both, (header, halves) => {
       if (both.aborted) return;
       if (header.type === 'job') taken = header.job;

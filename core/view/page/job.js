@@ -172,7 +172,7 @@ class JobView {
         'pixels. Arrow keys pan, plus and minus zoom, Shift with arrow keys reads pixels.',
     );
     this.readout = new Readout(this.viewer, this.id);
-    this.display = new DisplayPanel(this.viewer, job);
+    this.display = new DisplayPanel(this.viewer, job, () => this.readout.imageChanged());
     this.overlays = new OverlayPanel(this.viewer, job);
     this.compare = new ComparePanel(this.viewer, job);
     setHidden(this.message, true);

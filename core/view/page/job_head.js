@@ -20,7 +20,7 @@ const kServerCurves = ['none', 'aces', 'agx'];
 
 // The address of an image of the job in a file format, developed as the viewer shows it if there is one.
 export function imageUrl(id, format, viewer) {
-  const query = {format, ...imageQuery(viewer?.image ?? 0)};
+  const query = {format, ...imageQuery(viewer?.image ?? 0, format === 'exr' ? '' : viewer?.layer)};
   const display = viewer?.display;
   if (format === 'png' && display) {
     query.exposure = String(display.exposure);

@@ -105,28 +105,38 @@ export class Readout {
     value.forEach((v, i) => setText(this.values[i], Number.isNaN(v) ? '' : `${'RGB'[i]} ${light(v)}`));
   }
 
+  // The values of a layer by the names of its channels; of ids, the first one that covers something.
+  showLayer({channels, values}) {
+    this.values.forEach((value, i) => {
+      const number = values[i] === null ? 'none' : light(values[i] ?? 0);
+      setText(value, i < Math.min(channels.length, 3) ? `${channels[i].split('.').pop()} ${number}` : '');
+    });
+  }
+
   imageChanged() {
     if (this.cursor) this.show(this.cursor);
   }
 
   async fetch() {
     if (!this.cursor) return;
-    const {image, source} = this.viewer;
+    const {image, layer, source} = this.viewer;
     const {window} = source;
     const [x, y] = [this.cursor.x + window.x0, this.cursor.y + window.y0];
-    const query = {x: String(x), y: String(y), ...imageQuery(image)};
+    const query = {x: String(x), y: String(y), ...imageQuery(image, layer)};
     const pixel = await get(jobPath(this.id, '/pixel'), {query}).catch(() => null);
     if (
       !pixel ||
       !this.cursor ||
       image !== this.viewer.image ||
+      layer !== this.viewer.layer ||
       this.cursor.x + window.x0 !== pixel.x ||
       this.cursor.y + window.y0 !== pixel.y
     )
       return;
-    this.showValue(pixel.value);
+    if (pixel.layer) this.showLayer(pixel.layer);
+    else this.showValue(pixel.value);
     const error =
-      pixel.standard_error && pixel.samples > 1 ? `  ± ${pixel.standard_error.map(light).join('  ')}` : '';
+      !pixel.layer && pixel.standard_error && pixel.samples > 1 ? `  ± ${pixel.standard_error.map(light).join('  ')}` : '';
     setText(this.statistics, `${plural(pixel.samples, 'sample')}${error}`);
     setAttribute(this.statistics, 'title', 'Samples of this pixel, and the standard error of R, G and B');
   }

@@ -19,6 +19,7 @@ export class Viewer {
   constructor(job, image, listener) {
     this.listener = listener;
     this.image = image;
+    this.layer = ''; // the name of the layer that is shown; '' for the beauty
     this.display = {
       exposure: job.exposure ?? 0,
       curve: job.tone_curve ?? 'none',
@@ -65,13 +66,24 @@ export class Viewer {
     });
   }
 
+  // The layer that is shown, if the job has it.
   openSource(job, image, {job: onJob = () => {}, failed = () => {}} = {}) {
-    return new ImageSource(this.gl, job, image, {changed: () => this.redraw(), job: onJob, failed});
+    const layer = job.layers?.includes(this.layer) ? this.layer : '';
+    return new ImageSource(this.gl, job, image, layer, {changed: () => this.redraw(), job: onJob, failed});
   }
 
   // Shows another image of the job, with the same view and display.
   setImage(image) {
     this.image = image;
+    this.reopenSource();
+  }
+
+  setLayer(layer) {
+    this.layer = layer;
+    this.reopenSource();
+  }
+
+  reopenSource() {
     this.source.close();
     this.openOwnSource();
     this.redraw();

@@ -85,6 +85,27 @@ TEST_F(SceneBuilderTest, RepairsMeshesAndCountsWhatItChanges) {
                           HasSubstr("texture coordinates are ignored")));
 }
 
+// A render tells each kind once, a report each place.
+TEST(FileWarningsTest, TellKindsOrPlaces) {
+  const auto told = [](const WarningLimits& limits) {
+    FileWarnings warnings(limits);
+    warnings.add("film", 9, [] { return "film is ignored"; });
+    for (const int line : {7, 3, 7}) warnings.add("hair", line, [] { return "hair is ignored"; });
+    return warnings.messages("f");
+  };
+  EXPECT_THAT(told({}), ElementsAre("f:7: hair is ignored (3 times)", "f:9: film is ignored"));
+  EXPECT_THAT(told(kReportLimits),
+              ElementsAre("f:3: hair is ignored", "f:7: hair is ignored (2 times)", "f:9: film is ignored"));
+  EXPECT_THAT(told({2, 9, true}),
+              ElementsAre("f:7: hair is ignored", "f:9: film is ignored", "f: and 2 more warnings"));
+}
+
+TEST(SceneWarningsTest, CountWhatIsBeyondTheLimit) {
+  SceneWarnings warnings({1, 2, false});
+  for (const char* file : {"a", "b", "c"}) warnings.of(file).add("x", 1, [] { return "odd"; });
+  EXPECT_THAT(warnings.messages(), ElementsAre("a:1: odd", "b:1: odd", "and 1 more warnings"));
+}
+
 TEST_F(SceneBuilderTest, RefusesMoreTrianglesThanTheLimit) {
   for (int i = 0; i < 10; ++i) ASSERT_TRUE(builder_.add_mesh(triangle(), "t", std::nullopt, "s.xyz")) << i;
   const auto more = builder_.add_mesh(triangle(), "t", std::nullopt, "b.ply");

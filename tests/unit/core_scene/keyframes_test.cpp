@@ -116,6 +116,73 @@ TEST(Keyframes, OfATransformThatIsConstantChangeNothing) {
   EXPECT_FALSE(is_animated(scene.animation));
 }
 
+TEST(Keyframes, OfMaterialsAreReadByTheirKeys) {
+  const SceneDescription scene = loaded_scene(
+      scene_with("\"textures\": {\"t\": {\"file\": \"gray.png\"}}",
+                 "\"still\": {\"type\": \"lambert\"}, \"m\": {\"type\": \"glass\", \"ior\": " +
+                     two_keyframes("1.5", "2") +
+                     ", \"reflectance\": {\"texture\": \"t\", \"tint\": " + two_keyframes("1", "0.5") +
+                     "}, \"roughness\": {\"texture\": \"t\", \"scale\": " + two_keyframes("0", "1") +
+                     "}, \"emission\": " + two_keyframes("0", "[2, 0, 0]") +
+                     ", \"opacity\": " + two_keyframes("1", "0") +
+                     ", \"normal_map\": {\"texture\": \"t\", \"strength\": " + two_keyframes("1", "3") +
+                     "}, \"bump\": {\"texture\": \"t\", \"height\": " + two_keyframes("-1", "1") + "}}",
+                 "{\"type\": \"sphere\", \"radius\": 1, \"material\": \"m\"}"));
+  ASSERT_EQ(scene.animation.materials.size(), 1u);
+  const auto& [index, tracks] = scene.animation.materials[0];
+  EXPECT_EQ(index, 1u);
+  const Material m = values_at(scene.materials[1], tracks, 3);
+  const auto& glass = std::get<Glass>(m.model);
+  EXPECT_EQ(glass.ior.value, 1.75f);
+  EXPECT_EQ(glass.reflectance.value, Rgb::gray(0.75f));
+  EXPECT_EQ(glass.reflectance.texture, 0);
+  EXPECT_EQ(glass.roughness.value, 0.5f);
+  EXPECT_EQ(m.emission.value, (Rgb{1, 0, 0}));
+  EXPECT_EQ(m.opacity.value, 0.5f);
+  EXPECT_EQ(m.normal_map.strength, 2);
+  EXPECT_EQ(m.bump.height, 0);
+  EXPECT_EQ(std::get<Glass>(scene.materials[1].model).ior.value, 1.5f) << "at frame 0";
+}
+
+TEST(Keyframes, OfMediaAndTheEnvironmentAreRead) {
+  const SceneDescription scene = loaded_scene(
+      scene_with("\"media\": {\"fog\": {\"sigma_a\": " + two_keyframes("0", "[1, 2, 3]") +
+                     ", \"scale\": " + two_keyframes("1", "3") + ", \"g\": " + two_keyframes("-0.5", "0.5") +
+                     "}}, \"environment\": {\"radiance\": " + two_keyframes("0", "1") +
+                     ", \"rotation_degrees\": " + two_keyframes("0", "720") + "}",
+                 "\"m\": {\"type\": \"lambert\", \"interior_medium\": \"fog\"}",
+                 "{\"type\": \"sphere\", \"radius\": 1, \"material\": \"m\"}"));
+  ASSERT_EQ(scene.animation.media.size(), 1u);
+  const MediumDescription fog = values_at(scene.media[0], scene.animation.media[0].tracks, 3);
+  EXPECT_EQ(fog.sigma_a, (Rgb{0.5f, 1, 1.5f}));
+  EXPECT_EQ(fog.scale, 2);
+  EXPECT_EQ(fog.g, 0);
+  const EnvironmentDescription sky = values_at(*scene.environment, scene.animation.environment, 3);
+  EXPECT_EQ(sky.radiance.value, Rgb::gray(0.5f));
+  EXPECT_EQ(sky.rotation_degrees, 360);
+}
+
+TEST(Keyframes, OfParametersHaveTheLimitsOfTheirNumbers) {
+  EXPECT_EQ(test::mistakes_in(scene_with(
+                "", "\"m\": {\"type\": \"lambert\", \"albedo\": " + two_keyframes("1", "1.5") + "}",
+                "{\"type\": \"sphere\", \"radius\": 1, \"material\": \"m\"}")),
+            "scene.json:3: materials.m.albedo.keyframes[1].value: must be between 0 and 1, got 1.5");
+}
+
+TEST(Keyframes, AreSeenWhileTheShutterIsOpen) {
+  const std::string rest = "\"position\": [0, 0, 5], \"look_at\": [0, 0, 0]";
+  EXPECT_EQ(loaded_scene(with_camera(rest + ", \"shutter\": [-0.25, 0.25]")).camera.shutter_open, -0.25f);
+  expect_mistakes({{rest + ", \"shutter\": [1, 0]",
+                    "camera.shutter: the shutter must open before it closes: write [open, close]"},
+                   {rest + ", \"shutter\": [0.5, 0.5]",
+                    "camera.shutter: a shutter that is open for no time shows the frame: write [0, 0], and "
+                    "render another frame"},
+                   {rest + ", \"shutter\": [0, 1e4]",
+                    "camera.shutter[1]: must be between -1000 and 1000 frames, got 10000"},
+                   {rest + ", \"shutter\": 0.5", "camera.shutter: must be a list of 2 numbers, got 0.5"}},
+                  with_camera, 2);
+}
+
 TEST(KeyframeMistakes, InTheCamera) {
   const std::string rest = ", \"look_at\": [0, 0, 0]";
   expect_mistakes(

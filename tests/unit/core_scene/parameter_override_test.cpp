@@ -80,6 +80,9 @@ TEST(ParameterOverride, NamesThePathOfAMistake) {
   EXPECT_EQ(replaced(kText, "camera.position=[1, 2"),
             "camera.position: the value must be written as in a scene file: a number, [x, y, z], \"a text\"; "
             "got '[1, 2'");
+  EXPECT_EQ(replaced(kText, "camera.position=1 //"),
+            "camera.position: the value must be written as in a scene file: a number, [x, y, z], \"a text\"; "
+            "got '1 //'");
   for (const char* wrong : {"camera", "=3", ".camera=3", "camera.=3", "camera[x]=3", "camera[1=3", "a[0]b=3"})
     EXPECT_EQ(replaced(kText, wrong),
               std::string("must be PATH=VALUE such as camera.position=[0,1,5]; got '") + wrong + "'");
@@ -122,9 +125,10 @@ TEST(ParameterOverride, IsRefusedForFormatsWithoutParameters) {
   OverriddenAssets assets(files, "a.pbrt", {*parse_override("spp=64")});
   const auto text = assets.read("a.pbrt");
   ASSERT_FALSE(text);
-  EXPECT_EQ(text.error().message,
-            "'a.pbrt' has no parameters that -D can replace; those of .json, .gltf and Mitsuba's .xml files "
-            "can be");
+  EXPECT_EQ(
+      text.error().message,
+      "'a.pbrt' has no parameters that -D can replace; those of .json, .gltf, .glb and Mitsuba's .xml files "
+      "can be");
 }
 
 }  // namespace

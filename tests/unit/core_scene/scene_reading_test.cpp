@@ -191,8 +191,9 @@ TEST(SceneReading, TakesLayeredMaterials) {
       "\"a\": {\"type\": \"principled\", \"base_color\": {\"texture\": \"t0\"}, \"specular_ior\": 1.4, "
       "\"coat_weight\": {\"texture\": \"t1\", \"scale\": 0.5}, \"thin_film_thickness\": 2, "
       "\"geometry_thin_walled\": true, \"sides\": \"front\"},"
-      "\"b\": {\"type\": \"plastic\", \"diffuse\": 0.2, \"nonlinear\": true},"
-      "\"c\": {\"type\": \"conductor\", \"eta\": [0.1, 1, 2], \"k\": 30, \"roughness\": 0.5},"
+      "\"b\": {\"type\": \"plastic\", \"diffuse\": 0.2, \"nonlinear\": true, \"compensated\": false},"
+      "\"c\": {\"type\": \"conductor\", \"eta\": [0.1, 1, 2], \"k\": 30, \"roughness\": 0.5, "
+      "\"distribution\": \"beckmann\", \"masking\": \"separable\"},"
       "\"d\": {\"type\": \"conductor\", \"metal\": \"brass\"},"
       "\"e\": {\"type\": \"diffuse_transmission\", \"transmittance\": 0.75},"
       "\"f\": {\"type\": \"thin_dielectric\", \"ior\": 1.3},"
@@ -211,9 +212,13 @@ TEST(SceneReading, TakesLayeredMaterials) {
   const Plastic& plastic = std::get<Plastic>(scene.materials[1].model);
   EXPECT_EQ(plastic.diffuse.value, Rgb::gray(0.2f));
   EXPECT_TRUE(plastic.nonlinear);
+  EXPECT_FALSE(plastic.compensated);
+  EXPECT_TRUE(plastic.microfacets.is_correlated_ggx());
   EXPECT_TRUE(scene.materials[1].two_sided);
   const ConductorMaterial& metal = std::get<ConductorMaterial>(scene.materials[2].model);
   EXPECT_EQ(metal.eta.value, (Rgb{0.1f, 1, 2}));
+  EXPECT_EQ(metal.microfacets.distribution, MicrofacetDistribution::kBeckmann);
+  EXPECT_EQ(metal.microfacets.masking, SmithMasking::kSeparable);
   EXPECT_EQ(metal.k.value, Rgb::gray(30));
   EXPECT_EQ(metal.roughness.value, 0.5f);
   EXPECT_EQ(std::get<ConductorMaterial>(scene.materials[3].model).eta.value,

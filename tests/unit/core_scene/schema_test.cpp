@@ -68,6 +68,7 @@ TEST(Schema, HasTheWordsThatTheLoaderKnows) {
               std::vector<std::string>(words.begin(), words.end()));
   };
   expect_words("/properties/render/properties/integrator", scene_keys::kIntegrators);
+  expect_words("/properties/render/properties/layers/items", scene_keys::kLayers);
   expect_words("/properties/render/properties/filter", scene_keys::kFilters);
   expect_words("/properties/output/properties/tone_curve", scene_keys::kToneCurves);
   expect_words("/properties/render/properties/heuristic", scene_keys::kHeuristics);
@@ -82,6 +83,9 @@ TEST(Schema, HasTheWordsThatTheLoaderKnows) {
   expect_words("/$defs/cook_torrance/properties/conductor", scene_keys::kConductors);
   expect_words("/$defs/conductor/properties/metal", scene_keys::kConductors);
   expect_words("/$defs/cook_torrance/properties/masking", scene_keys::kMaskings);
+  expect_words("/$defs/spot/properties/falloff", scene_keys::kSpotFalloffs);
+  expect_words("/$defs/distribution", scene_keys::kDistributions);
+  expect_words("/$defs/smith_masking", scene_keys::kSmithMaskings);
   expect_words("/$defs/cook_torrance/properties/sampling", scene_keys::kMicrofacetSamplings);
   expect_words("/$defs/sampling", scene_keys::kSamplings);
   const auto expect_types = [](std::span<const std::string_view> words) {
@@ -151,12 +155,15 @@ TEST(Schema, HasTheLimitOfCoordinates) {
 // What a texture is multiplied by has the limits of the number that both together stand for.
 TEST(Schema, LimitsScalesAsTheNumbersThatTheyStandFor) {
   const auto limit = [](const std::string& pointer) { return at(pointer + "/$ref"); };
+  const auto limit_of_scale = [&](const std::string& name) {
+    const std::string animated = limit("/$defs/textured_" + name + "/properties/scale");
+    return limit(animated.substr(1) + "/else");
+  };
   for (const std::string name : {"ior", "exponent"}) {
     const std::string material = name == "ior" ? "glass" : "phong";
-    EXPECT_EQ(limit("/$defs/textured_" + name + "/properties/scale"),
-              limit("/$defs/" + material + "/properties/" + name + "/else"));
+    EXPECT_EQ(limit_of_scale(name), limit("/$defs/" + material + "/properties/" + name + "/else/else"));
   }
-  EXPECT_EQ(limit("/$defs/textured_roughness/properties/scale"), limit("/$defs/roughness/else"));
+  EXPECT_EQ(limit_of_scale("roughness"), limit("/$defs/roughness/else/else"));
 }
 
 // The loader's words stand in the order of the enum they stand for.
@@ -165,6 +172,12 @@ TEST(SceneKeys, NameIntegratorsAndHeuristicsInTheirOrder) {
     EXPECT_EQ(integrator_name(static_cast<Integrator>(i)), scene_keys::kIntegrators[i]);
   for (std::size_t i = 0; i < scene_keys::kHeuristics.size(); ++i)
     EXPECT_EQ(heuristic_name(static_cast<Heuristic>(i)), scene_keys::kHeuristics[i]);
+}
+
+TEST(SceneKeys, NameLayersInTheirOrder) {
+  ASSERT_EQ(scene_keys::kLayers.size(), kLayerCount + 1);
+  for (std::size_t i = 0; i < kLayerCount; ++i)
+    EXPECT_EQ(layer_name(static_cast<Layer>(i)), scene_keys::kLayers[i]);
 }
 
 TEST(SceneKeys, NameTheFiltersAndToneCurvesInTheirOrder) {

@@ -48,7 +48,7 @@ TEST(SceneMistakes, InMaterials) {
           {"\"m\": {}",
            "materials.m: a material needs the key 'type', one of \"lambert\", \"mirror\", \"glass\", "
            "\"phong\", \"cook_torrance\", \"principled\", \"plastic\", \"conductor\", "
-           "\"diffuse_transmission\", \"thin_dielectric\", \"blend\", \"null\""},
+           "\"diffuse_transmission\", \"thin_dielectric\", \"blend\", \"null\", \"hair\""},
           {"\"m\": 3", "materials.m: must be an object in braces, got 3"},
           {"\"m\": {\"type\": \"lambertian\"}",
            "materials.m.type: unknown value 'lambertian'; did you mean 'lambert'?"},
@@ -195,7 +195,7 @@ TEST(SceneMistakes, InShapes) {
           {"3", "shapes[0]: must be an object in braces, got 3"},
           {"{}",
            "shapes[0]: a shape needs the key 'type', one of \"mesh\", \"sphere\", \"quad\", \"instance\", "
-           "\"disk\", \"cylinder\""},
+           "\"disk\", \"cylinder\", \"curves\""},
           {"{\"type\": \"shpere\"}", "shapes[0].type: unknown value 'shpere'; did you mean 'sphere'?"},
           {"{\"type\": \"sphere\", \"radius\": 1}", "shapes[0]: a sphere needs the key 'material'"},
           {"{\"type\": \"sphere\", \"material\": \"light\"}", "shapes[0]: a sphere needs the key 'radius'"},

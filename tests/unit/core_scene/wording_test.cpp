@@ -21,6 +21,8 @@ TEST(EditDistance, CountsChanges) {
 TEST(Suggestion, NamesTheNearestOrElseAllThereAre) {
   EXPECT_EQ(suggestion("albdo", {"type", "albedo"}), "; did you mean 'albedo'?");
   EXPECT_EQ(suggestion("colour", {"type", "albedo"}), "; known are 'type', 'albedo'");
+  EXPECT_EQ(suggestion("lens", {"type", "lens_shift"}), "; did you mean 'lens_shift'?");
+  EXPECT_EQ(suggestion("lens", {"lens_radius", "lens_shift"}), "; known are 'lens_radius', 'lens_shift'");
   EXPECT_EQ(suggestion("x", {"only"}), "; known is 'only'");
   EXPECT_EQ(suggestion("x", {}), "");
 }

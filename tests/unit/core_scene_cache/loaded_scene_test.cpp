@@ -106,6 +106,12 @@ SceneDescription animated_scene() {
                            TurnMotion{{0, 1, 0}, {{1, 2}, {0, 360}}},
                            RotationMotion{{{1, 2}, {Quaternion{}, rotation_quaternion({1, 0, 0}, 90)}}},
                            TranslationMotion{{{1, 2}, {{0, 0, 0}, {5, 0, 0}}}}}}};
+  animation.materials = {{0, {{{"opacity", {{1, 2}, {1, 0.5f}}}}, {{"emission", {{1}, {{0, 0, 0}}}}}}}};
+  scene.media = {{.name = "fog"}};
+  animation.media = {{0, {{{"scale", {{1, 2}, {1, 2}}}}, {}}}};
+  animation.environment = {{{"rotation_degrees", {{1, 2}, {0, 90}}}}, {}};
+  scene.camera.shutter_open = -0.25f;
+  scene.camera.shutter_close = 0.25f;
   return scene;
 }
 
@@ -119,6 +125,8 @@ TEST_F(LoadedScene, KeepsKeyframes) {
   ASSERT_EQ(read->animation.instances.size(), 1u);
   EXPECT_EQ(transform_at(read->animation.instances[0].steps, 1.5f).point({1, 1, 1}),
             transform_at(expected.animation.instances[0].steps, 1.5f).point({1, 1, 1}));
+  EXPECT_EQ(values_at(read->materials[0], read->animation.materials[0].tracks, 1.5f).opacity.value, 0.75f);
+  EXPECT_EQ(read->camera.shutter_close, 0.25f);
   EXPECT_TRUE(Scene::build(*read, 1)->set_frame(2, 1));
 }
 
@@ -130,6 +138,8 @@ TEST_F(LoadedScene, WithUnsoundKeyframesIsRefused) {
   };
   EXPECT_EQ(error([](Animation& a) { a.camera.vertical_fov_degrees.frames = {2, 1}; }), kDamaged);
   EXPECT_EQ(error([](Animation& a) { a.lights[0].color.values.pop_back(); }), kDamaged);
+  EXPECT_EQ(error([](Animation& a) { a.materials[0].tracks.numbers[0].track.frames = {2, 1}; }), kDamaged);
+  EXPECT_EQ(error([](Animation& a) { a.environment.numbers[0].track.values[0] = INFINITY; }), kDamaged);
   EXPECT_EQ(
       error([](Animation& a) { std::get<TurnMotion>(a.instances[0].steps[2]).degrees.values[0] = 1e30f; }),
       kDamaged);

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Adds <default> elements to the text of a Mitsuba scene: parameters that a command line sets. Stateless;
+// thread-safe.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace tessera::core {
+
+bool is_xml(std::string_view text);
+
+// Whether something may use the parameter: the file itself, or one that it includes.
+bool may_use_parameter(std::string_view xml, const std::string& name);
+
+// `xml` with a <default> of this name before all others, of which the first one counts. `json` is the value:
+// texts lose their quotes, lists their brackets. A text without a root element stays as it is.
+std::string with_xml_default(std::string xml, const std::string& name, const std::string& json);
+
+}  // namespace tessera::core

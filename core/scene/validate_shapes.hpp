@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parts of validate_scene() (validation.hpp), with its errors: points and shapes. Stateless; thread-safe.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/error.hpp"
+#include "core/scene/description.hpp"
+
+namespace tessera::core {
+
+// Whether the coordinates are finite and small enough to be computed with.
+bool is_valid_point(Vec3 point);
+
+// Whether the material, one of the scene's, emits at any frame.
+bool can_emit(std::uint32_t material, const SceneDescription& scene);
+
+// Checks all objects and shapes, whose materials must be valid.
+Status check_all_shapes(const SceneDescription& scene);
+
+}  // namespace tessera::core
