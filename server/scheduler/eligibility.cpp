@@ -81,9 +81,8 @@ double FarmState::expected_seconds(const Worker& worker) const {
   double seconds = 0;
   for (const HeldLease& held : worker.leases) {
     const Job& job = jobs_.at(held.number);
-    const double speed = expected_speed(options_.sizing, worker.snapshot(held.run));
-    for (const WorkItem& item : job.find_lease(held.id)->items)
-      seconds += static_cast<double>(job.pixel_samples(item)) / speed;
+    const double speed = expected_mean_speed(options_.sizing, worker.snapshot(held.run));
+    for (const WorkItem& item : job.find_lease(held.id)->items) seconds += job.mean_samples(item) / speed;
   }
   return seconds;
 }

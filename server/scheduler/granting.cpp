@@ -26,12 +26,12 @@ bool Scheduler::grant_free(Worker& worker, bool also_refused) {
   Job* const job = choose(worker, also_refused);
   if (job == nullptr) return false;
   const std::uint64_t available = job->free() + job->to_verify();
-  const std::uint64_t samples =
-      next_lease_samples(options_.sizing, worker.snapshot(job->run()), available, sharers(*job));
+  const LeaseSize size =
+      next_lease_size(options_.sizing, worker.snapshot(job->run()), available, sharers(*job));
   Portion portion;
   if (can_audit(*job, worker))
-    portion = job->next_audits(samples, worker.leases.empty(), worker.producer(), producers_);
-  if (portion.items.empty()) portion = job->next_free(samples, worker.leases.empty());
+    portion = job->next_audits(size, worker.leases.empty(), worker.producer(), producers_);
+  if (portion.items.empty()) portion = job->next_free(size, worker.leases.empty());
   // Items that must be leased alone wait for the first idle worker.
   if (portion.items.empty()) return false;
   grant(worker, *job, std::move(portion));
@@ -46,9 +46,9 @@ bool Scheduler::grant_copy(Worker& worker) {
   const auto has_copies = [&](JobNumber number) {
     if (!can_be_given(worker, jobs_.at(number), false)) return false;
     Job& job = at(number);
-    const std::uint64_t samples =
-        next_lease_samples(options_.sizing, worker.snapshot(job.run()), job.leased(), sharers(job));
-    portion = job.next_copies(samples);
+    const LeaseSize size =
+        next_lease_size(options_.sizing, worker.snapshot(job.run()), job.leased(), sharers(job));
+    portion = job.next_copies(size);
     if (portion.items.empty()) job.note_no_copies();
     if (portion.items.empty()) portion = audit_copy(job, worker);
     return !portion.items.empty();

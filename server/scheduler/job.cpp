@@ -18,6 +18,7 @@ Job::Job(JobNumber number, JobId id, JobShape shape, SchedulingPolicy policy, Jo
       state_(state),
       done_(grid_.tile_count()),
       work_(shape_),
+      costs_(grid_.tile_count()),
       audits_(grid_),
       total_(shape_.pixel_samples()) {
   for (std::size_t i = 0; i < done.size(); ++i) {
@@ -86,6 +87,16 @@ std::uint64_t Job::pixel_samples(const WorkItem& item) const {
   return grid_.rect(item.tile).pixel_count() * item.samples.count();
 }
 
+double Job::mean_samples(const WorkItem& item) const {
+  return static_cast<double>(pixel_samples(item)) * costs_.relative(item.tile);
+}
+
+void Job::learn_costs(const std::vector<WorkItem>& items, double mean_samples) {
+  std::vector<TileCosts::Part> parts;
+  for (const WorkItem& item : items) parts.push_back({item.tile, static_cast<double>(pixel_samples(item))});
+  costs_.learn(parts, mean_samples);
+}
+
 bool Job::has(const WorkItem& item) const {
   return has_tile(item.tile) && !item.samples.empty() && item.samples.end <= shape_.target(item.tile);
 }
@@ -97,37 +108,43 @@ IntervalSet Job::free_of(const WorkItem& item) const {
   return samples;
 }
 
-// The samples of a tile that fit into a budget of pixel samples: at least one.
-std::uint32_t Job::samples_for(int tile, std::uint64_t budget) const {
-  const std::uint64_t fitting = budget / grid_.rect(tile).pixel_count();
-  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(fitting, 1, shape_.target(tile)));
+// The samples of a tile that fit into what is left of a lease: at least one.
+std::uint32_t Job::samples_for(int tile, const LeaseSize& left) const {
+  constexpr double kRounding = 1e-3;  // of costs
+  const double pixel_samples = std::min(left.mean_samples / costs_.relative(tile), left.most_samples);
+  const double fitting = pixel_samples / static_cast<double>(grid_.rect(tile).pixel_count()) + kRounding;
+  return static_cast<std::uint32_t>(std::clamp<double>(fitting, 1, shape_.target(tile)));
 }
 
-Portion Job::next_free(std::uint64_t samples, bool holds_nothing) const {
+void Job::take_from(LeaseSize& left, const WorkItem& item) const {
+  left.mean_samples -= mean_samples(item);
+  left.most_samples -= static_cast<double>(pixel_samples(item));
+}
+
+Portion Job::next_free(LeaseSize size, bool holds_nothing) const {
   Portion portion;
   WorkList::Walk walk(work_);
   const auto wanted = [this](const WorkItem& candidate) { return free_of(candidate); };
-  while (!portion.alone && samples > 0 && portion.items.size() < kMaxItemsPerLease) {
+  while (!portion.alone && !size.is_used_up() && portion.items.size() < kMaxItemsPerLease) {
     const std::optional<WorkItem> piece = walk.next(wanted);
     if (!piece) break;
     const PoisonTracker::Part part = poison_.first_part(*piece);
     portion.alone = !part.losses.empty();
     if (portion.alone && !(holds_nothing && portion.items.empty())) return {std::move(portion.items), false};
     const bool single = part.losses.size() >= kLossesUntilSingleSamples;
-    const std::uint32_t count =
-        single ? 1 : std::min(samples_for(piece->tile, samples), part.samples.count());
+    const std::uint32_t count = single ? 1 : std::min(samples_for(piece->tile, size), part.samples.count());
     walk.pass(*piece, count);
     portion.items.push_back({piece->tile, {piece->samples.begin, piece->samples.begin + count}});
-    samples -= std::min(samples, pixel_samples(portion.items.back()));
+    take_from(size, portion.items.back());
   }
   return portion;
 }
 
-Portion Job::next_copies(std::uint64_t samples) const {
+Portion Job::next_copies(LeaseSize size) const {
   Portion portion;
   for (const LeaseId id : copyable_) {
-    if (portion.alone || samples == 0 || portion.items.size() == kMaxItemsPerLease) break;
-    append_copies(held_once(*leases_.find(id)), samples, portion);
+    if (portion.alone || size.is_used_up() || portion.items.size() == kMaxItemsPerLease) break;
+    append_copies(held_once(*leases_.find(id)), size, portion);
   }
   return portion;
 }
@@ -150,16 +167,16 @@ std::vector<WorkItem> Job::held_once(const Lease& lease) const {
   return pieces;
 }
 
-void Job::append_copies(const std::vector<WorkItem>& pieces, std::uint64_t& budget, Portion& portion) const {
+void Job::append_copies(const std::vector<WorkItem>& pieces, LeaseSize& left, Portion& portion) const {
   for (const WorkItem& piece : pieces) {
-    if (portion.alone || budget == 0 || portion.items.size() == kMaxItemsPerLease) return;
+    if (portion.alone || left.is_used_up() || portion.items.size() == kMaxItemsPerLease) return;
     const PoisonTracker::Part part = poison_.first_part(piece);
     const bool suspect = !part.losses.empty();
     if (suspect && !portion.items.empty()) continue;
-    const std::uint32_t count = std::min(samples_for(piece.tile, budget), part.samples.count());
+    const std::uint32_t count = std::min(samples_for(piece.tile, left), part.samples.count());
     portion.items.push_back({piece.tile, {piece.samples.begin, piece.samples.begin + count}});
     portion.alone = suspect;
-    budget -= std::min(budget, pixel_samples(portion.items.back()));
+    take_from(left, portion.items.back());
   }
 }
 

@@ -21,6 +21,7 @@
 #include "server/scheduler/poison_tracker.hpp"
 #include "server/scheduler/policy.hpp"
 #include "server/scheduler/rate_meter.hpp"
+#include "server/scheduler/tile_costs.hpp"
 #include "server/scheduler/tile_table.hpp"
 #include "server/scheduler/types.hpp"
 #include "server/scheduler/work_list.hpp"
@@ -118,6 +119,8 @@ class Job {
   // Complete, with nothing left to verify.
   bool settled() const { return complete() && to_verify() == 0; }
   std::uint64_t pixel_samples(const WorkItem& item) const;
+  // The same in pixel samples of the mean cost.
+  double mean_samples(const WorkItem& item) const;
 
   const IntervalSet& done(int tile) const { return done_[tile]; }
   // The leases of missing samples.
@@ -139,18 +142,18 @@ class Job {
   // ---- Candidates for leases. These functions change nothing, and return at most kMaxItemsPerLease items
   // for lease() ----
 
-  // The next free items, of `samples` pixel samples or slightly more. Empty only if nothing is free, or if
-  // the next items must be leased alone and the worker holds something.
-  Portion next_free(std::uint64_t samples, bool holds_nothing) const;
+  // The next free items, of this size or slightly more. Empty only if nothing is free, or if the next items
+  // must be leased alone and the worker holds something.
+  Portion next_free(LeaseSize size, bool holds_nothing) const;
   // Items that exactly one worker holds, and not alone, of the oldest leases first. For workers that hold
   // nothing.
-  Portion next_copies(std::uint64_t samples) const;
+  Portion next_copies(LeaseSize size) const;
   // next_copies() was empty: it is not searched again until a lease changes.
   void note_no_copies() { copyable_.clear(); }
   // Whether there may be copies, of leases of either kind.
   bool may_have_copies() const { return !copyable_.empty() || audits_.any_shareable(); }
   // Audits for this worker; as a copy, those that one other worker has in progress.
-  Portion next_audits(std::uint64_t samples, bool holds_nothing, const Producer& worker,
+  Portion next_audits(LeaseSize size, bool holds_nothing, const Producer& worker,
                       const Producers& producers) const;
   Portion next_audit_copy(const Producer& worker, const Producers& producers) const;
   // The free samples of these items. Ignores items that are no part of the job.
@@ -226,6 +229,9 @@ class Job {
   // ---- Progress ----
   // The work of one of its pixel samples, in the unit of Worker::pace.
   Estimate cost;
+  // Takes the time of a result, in the mean samples (above) that its worker renders in that time by what was
+  // known of it. The items must be of the job.
+  void learn_costs(const std::vector<WorkItem>& items, double mean_samples);
   RateMeter rate;
   // See JobSnapshot. virtual_finish is the end of its latest lease in virtual time.
   std::uint64_t last_served = 0;
@@ -243,8 +249,9 @@ class Job {
   std::vector<WorkItem> held_once(const Lease& lease) const;
   bool has_copies(const Lease& lease) const;
   void forget_what_is_leased();
-  void append_copies(const std::vector<WorkItem>& pieces, std::uint64_t& budget, Portion& portion) const;
-  std::uint32_t samples_for(int tile, std::uint64_t budget) const;
+  void append_copies(const std::vector<WorkItem>& pieces, LeaseSize& left, Portion& portion) const;
+  std::uint32_t samples_for(int tile, const LeaseSize& left) const;
+  void take_from(LeaseSize& left, const WorkItem& item) const;
   bool is_suspect(const WorkItem& item) const;
   void lease_audit(Lease lease);
   Lease end_audit(LeaseId id, LeaseState to);
@@ -268,6 +275,7 @@ class Job {
 
   TileTable<IntervalSet> done_;
   WorkList work_;
+  TileCosts costs_;
   LeaseTable leases_, audit_leases_;
   // Leases of either kind by holder, without zeros.
   std::map<WorkerId, int> lease_counts_;

@@ -28,18 +28,18 @@ bool Job::is_suspect(const WorkItem& item) const {
   return !part.losses.empty() || part.samples != item.samples;
 }
 
-Portion Job::next_audits(std::uint64_t samples, bool holds_nothing, const Producer& worker,
+Portion Job::next_audits(LeaseSize size, bool holds_nothing, const Producer& worker,
                          const Producers& producers) const {
   Portion portion;
   portion.audit = true;
   audits_.offer(worker, producers, [&](const WorkItem& item) {
-    if (samples == 0 || portion.items.size() == kMaxItemsPerLease) return false;
+    if (size.is_used_up() || portion.items.size() == kMaxItemsPerLease) return false;
     if (touches_any(portion.items, item)) return true;
     const bool alone = is_suspect(item);
     if (alone && !(holds_nothing && portion.items.empty())) return false;
     portion.items.push_back(item);
     portion.alone = alone;
-    samples -= std::min(samples, pixel_samples(item));
+    take_from(size, item);
     return !alone;
   });
   return portion;

@@ -8,22 +8,26 @@
 namespace tessera::scheduler {
 
 double expected_speed(const SizingOptions& options, const WorkerSnapshot& worker) {
-  const double assumed = options.assumed_samples_per_second_and_thread * std::max(worker.threads, 1);
+  const double assumed = std::max(worker.threads, 1) * options.assumed_samples_per_second_and_thread;
   return worker.samples_per_second.value_or(assumed);
 }
 
-std::uint64_t next_lease_samples(const SizingOptions& options, const WorkerSnapshot& worker,
-                                 std::uint64_t available, int active_workers) {
-  const double speed = expected_speed(options, worker);
+double expected_mean_speed(const SizingOptions& options, const WorkerSnapshot& worker) {
+  return worker.mean_samples_per_second ? *worker.mean_samples_per_second : expected_speed(options, worker);
+}
+
+LeaseSize next_lease_size(const SizingOptions& options, const WorkerSnapshot& worker, std::uint64_t available,
+                          int active_workers) {
   const double seconds = worker.samples_per_second ? options.lease_seconds : options.first_lease_seconds;
-  const double fair_part =
-      static_cast<double>(available) / (options.end_divisor * std::max(active_workers, 1));
-  const double samples =
-      std::max(std::min(speed * seconds, fair_part), speed * options.shortest_lease_seconds);
+  const double most = std::max(static_cast<double>(available), 1.0);
+  const double fair_part = most / (options.end_divisor * std::max(active_workers, 1));
   // A speed that is NaN gives 1, and a speed beyond all limits gives everything that is available.
-  if (!(samples > 1)) return 1;
-  return samples < static_cast<double>(available) ? static_cast<std::uint64_t>(samples)
-                                                  : std::max<std::uint64_t>(available, 1);
+  const auto size = [&](double speed) {
+    const double samples =
+        std::max(std::min(speed * seconds, fair_part), speed * options.shortest_lease_seconds);
+    return samples > 1 ? std::min(std::floor(samples), most) : 1;
+  };
+  return {size(expected_mean_speed(options, worker)), size(expected_speed(options, worker))};
 }
 
 double cost_of(const SizingOptions& options, const Estimate& cost) {

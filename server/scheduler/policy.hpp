@@ -27,16 +27,28 @@ struct WorkerSnapshot {
   int threads = 1;
   // Measured for the job in question, in pixel samples per second. Absent: unknown.
   std::optional<double> samples_per_second;
+  // The same in pixel samples of the mean cost (TileCosts).
+  std::optional<double> mean_samples_per_second{};
 };
 
-// The measured or assumed speed in pixel samples per second.
+// The measured or assumed speed in pixel samples per second, and in those of the mean cost.
 double expected_speed(const SizingOptions& options, const WorkerSnapshot& worker);
+double expected_mean_speed(const SizingOptions& options, const WorkerSnapshot& worker);
 
-// The pixel samples of the next lease, of `available` ones, when `active_workers` (at least 1) share them. At
-// least 1. The last item of a lease may exceed it, since an item has at least one sample of each pixel of a
-// tile.
-std::uint64_t next_lease_samples(const SizingOptions& options, const WorkerSnapshot& worker,
-                                 std::uint64_t available, int active_workers);
+// The size of a lease. Both numbers are at least 1 at first. Costly tiles reach the first one, so that a
+// lease of them takes no longer than others. Cheap ones reach the second, which does not rely on what is
+// known of tiles: a few wrong costs make no lease longer.
+struct LeaseSize {
+  double mean_samples = 1;  // pixel samples of the mean cost (TileCosts)
+  double most_samples = 1;  // pixel samples
+  bool is_used_up() const { return mean_samples < 1 || most_samples < 1; }
+  bool operator==(const LeaseSize&) const = default;
+};
+
+// The size of the next lease, of `available` pixel samples, when `active_workers` (at least 1) share them.
+// The last item of a lease may exceed it, since an item has at least one sample of each pixel of a tile.
+LeaseSize next_lease_size(const SizingOptions& options, const WorkerSnapshot& worker, std::uint64_t available,
+                          int active_workers);
 
 // A value that is learnt from results; unknown before the first.
 struct Estimate {

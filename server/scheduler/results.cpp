@@ -173,9 +173,16 @@ void Scheduler::measure(Job& job, const SubmitResult& event) {
   if (worker == nullptr) return;
   worker->last_seen = now_;
   std::uint64_t samples = 0;
-  for (const WorkItem& item : event.items) samples += job.pixel_samples(item);
+  double mean_samples = 0;
+  for (const WorkItem& item : event.items) {
+    samples += job.pixel_samples(item);
+    mean_samples += job.mean_samples(item);
+  }
   if (samples == 0 || !(event.render_seconds > 0) || !std::isfinite(event.render_seconds)) return;
-  measure_speed(notes(*worker, job), samples, event.render_seconds);
+  JobNotes& known = notes(*worker, job);
+  if (known.mean_speed) job.learn_costs(event.items, *known.mean_speed * event.render_seconds);
+  measure_speed(known.speed, static_cast<double>(samples), event.render_seconds);
+  measure_speed(known.mean_speed, mean_samples, event.render_seconds);
   learn_cost(job.cost, worker->pace, worker->info.threads,
              event.render_seconds / static_cast<double>(samples));
 }

@@ -43,7 +43,8 @@ int Worker::room() const {
 
 WorkerSnapshot Worker::snapshot(RunNumber run) const {
   const JobNotes* const known = notes.find(run);
-  return {info.threads, known == nullptr ? std::nullopt : known->speed};
+  if (known == nullptr) return {info.threads, std::nullopt, std::nullopt};
+  return {info.threads, known->speed, known->mean_speed};
 }
 
 namespace {
@@ -56,10 +57,10 @@ void count(std::map<std::string, int>& numbers, const std::string& key, int chan
 
 }  // namespace
 
-void measure_speed(JobNotes& notes, std::uint64_t samples, double render_seconds) {
+void measure_speed(std::optional<double>& speed, double samples, double render_seconds) {
   constexpr double kNewWeight = 0.3;
-  const double measured = static_cast<double>(samples) / render_seconds;
-  notes.speed = notes.speed ? *notes.speed + kNewWeight * (measured - *notes.speed) : measured;
+  const double measured = samples / render_seconds;
+  speed = speed ? *speed + kNewWeight * (measured - *speed) : measured;
 }
 
 Worker* WorkerRegistry::find(const WorkerId& id) {

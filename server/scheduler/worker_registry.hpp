@@ -54,8 +54,8 @@ struct Effort {
 
 // What is known of a worker and one run of a job.
 struct JobNotes {
-  // In pixel samples per second.
-  std::optional<double> speed;
+  // In pixel samples per second, and in pixel samples of the mean cost (TileCosts).
+  std::optional<double> speed, mean_speed;
   // When the worker last reported that it cannot build the scene.
   std::optional<Time> refused;
   // If it has held leases.
@@ -165,7 +165,7 @@ struct Worker {
 };
 
 // Records a measured speed; render_seconds must be positive.
-void measure_speed(JobNotes& notes, std::uint64_t samples, double render_seconds);
+void measure_speed(std::optional<double>& speed, double samples, double render_seconds);
 
 class WorkerRegistry {
  public:

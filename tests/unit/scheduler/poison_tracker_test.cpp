@@ -172,7 +172,7 @@ const AreAll kNobodyElse = [](const std::set<std::string>&) { return true; };
 
 TEST(JobTest, DoesNotFailWhileAnotherWorkerHoldsTheSamples) {
   Job job(1, {"job"}, tiles(4, 1), {}, JobState::kRunning, {});
-  const std::vector<WorkItem> items = job.next_free(1, true).items;
+  const std::vector<WorkItem> items = job.next_free({1, 1}, true).items;
   job.lease({{1}, {"slow"}, items, false});
   const auto strike = [&](std::uint64_t id, const std::string& worker) {
     job.lease({{id}, {worker}, items, true});

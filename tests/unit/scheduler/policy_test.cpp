@@ -14,32 +14,43 @@ namespace {
 constexpr std::uint64_t kPlenty = 1'000'000'000'000;
 const SizingOptions kOptions;
 
-TEST(NextLeaseSamples, KeepsAMeasuredWorkerBusyForTwoSeconds) {
-  EXPECT_EQ(next_lease_samples(kOptions, {8, 300'000.0}, kPlenty, 10), 600'000u);
+TEST(NextLeaseSize, KeepsAMeasuredWorkerBusyForTwoSeconds) {
+  EXPECT_EQ(next_lease_size(kOptions, {8, 300'000.0}, kPlenty, 10).mean_samples, 600'000);
 }
 
-TEST(NextLeaseSamples, IsSmallWhileTheSpeedIsUnknown) {
-  EXPECT_EQ(next_lease_samples(kOptions, {8, std::nullopt}, kPlenty, 10), 100'000u);  // 8 * 50,000/s * 0.25 s
+TEST(NextLeaseSize, IsSmallWhileTheSpeedIsUnknown) {
+  EXPECT_EQ(next_lease_size(kOptions, {8, std::nullopt}, kPlenty, 10).mean_samples,
+            100'000);  // 8 * 50,000/s * 0.25 s
 }
 
-TEST(NextLeaseSamples, ShrinksTowardsTheEnd) {
-  EXPECT_EQ(next_lease_samples(kOptions, {8, 300'000.0}, 1'000'000, 10), 50'000u);  // a 20th of it
+TEST(NextLeaseSize, ShrinksTowardsTheEnd) {
+  EXPECT_EQ(next_lease_size(kOptions, {8, 300'000.0}, 1'000'000, 10).mean_samples, 50'000);  // a 20th of it
 }
 
-TEST(NextLeaseSamples, IsNeverShorterThanWorthTheJourney) {
-  EXPECT_EQ(next_lease_samples(kOptions, {8, 300'000.0}, 100'000, 10), 30'000u);  // 0.1 s
+// What is known of tiles makes leases of costly ones shorter, and none longer.
+TEST(NextLeaseSize, IsLimitedInSamplesOfEitherKind) {
+  const LeaseSize size = next_lease_size(kOptions, {8, 300'000.0, 500'000.0}, kPlenty, 10);
+  EXPECT_EQ(size.mean_samples, 1'000'000);
+  EXPECT_EQ(size.most_samples, 600'000);
+  const LeaseSize at_end = next_lease_size(kOptions, {8, 300'000.0, 500'000.0}, 1'000'000, 10);
+  EXPECT_EQ(at_end.mean_samples, 50'000);
+  EXPECT_EQ(at_end.most_samples, 50'000);
 }
 
-TEST(NextLeaseSamples, IsNeverMoreThanThereIs) {
-  EXPECT_EQ(next_lease_samples(kOptions, {8, 300'000.0}, 5'000, 1), 5'000u);
+TEST(NextLeaseSize, IsNeverShorterThanWorthTheJourney) {
+  EXPECT_EQ(next_lease_size(kOptions, {8, 300'000.0}, 100'000, 10).mean_samples, 30'000);  // 0.1 s
 }
 
-TEST(NextLeaseSamples, IsAtLeastOneWhateverAWorkerClaims) {
+TEST(NextLeaseSize, IsNeverMoreThanThereIs) {
+  EXPECT_EQ(next_lease_size(kOptions, {8, 300'000.0}, 5'000, 1).mean_samples, 5'000);
+}
+
+TEST(NextLeaseSize, IsAtLeastOneWhateverAWorkerClaims) {
   for (const double speed : {0.0, -1.0, 1e-300, std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_EQ(next_lease_samples(kOptions, {1, speed}, kPlenty, 1), 1u) << speed;
+    EXPECT_EQ(next_lease_size(kOptions, {1, speed}, kPlenty, 1).mean_samples, 1) << speed;
   }
-  EXPECT_EQ(next_lease_samples(kOptions, {1, std::numeric_limits<double>::infinity()}, 7, 1), 7u);
-  EXPECT_GE(next_lease_samples(kOptions, {-5, std::nullopt}, kPlenty, 0), 1u);
+  EXPECT_EQ(next_lease_size(kOptions, {1, std::numeric_limits<double>::infinity()}, 7, 1).mean_samples, 7);
+  EXPECT_GE(next_lease_size(kOptions, {-5, std::nullopt}, kPlenty, 0).mean_samples, 1);
 }
 
 TEST(LearnCost, IsTheSameWhicheverMachinesServeAJob) {
