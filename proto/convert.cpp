@@ -2,9 +2,13 @@
 #include "proto/convert.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <bit>
 #include <limits>
 #include <utility>
+
+#include "core/base/printable.hpp"
 
 namespace tessera::proto {
 namespace {
@@ -123,6 +127,24 @@ core::Result<core::FilterKind> from_proto(v1::PixelFilter filter) {
   }
 }
 
+v1::ChannelEncoding to_proto(core::ChannelEncoding encoding) {
+  switch (encoding) {
+    case core::ChannelEncoding::kRadiance:
+      return v1::CHANNEL_ENCODING_RADIANCE;
+    case core::ChannelEncoding::kSum:
+      return v1::CHANNEL_ENCODING_SUM;
+    case core::ChannelEncoding::kSigned:
+      return v1::CHANNEL_ENCODING_SIGNED;
+    case core::ChannelEncoding::kCount:
+      return v1::CHANNEL_ENCODING_COUNT;
+    case core::ChannelEncoding::kNearest:
+      return v1::CHANNEL_ENCODING_NEAREST;
+    case core::ChannelEncoding::kIds:
+      return v1::CHANNEL_ENCODING_IDS;
+  }
+  return v1::CHANNEL_ENCODING_UNSPECIFIED;
+}
+
 v1::RenderSettings to_proto(const core::RenderSettings& settings) {
   v1::RenderSettings message;
   message.set_width_px(static_cast<std::uint32_t>(settings.width_px));
@@ -136,6 +158,7 @@ v1::RenderSettings to_proto(const core::RenderSettings& settings) {
   message.set_filter_radius_px(settings.filter.radius_px);
   message.set_clamp_indirect(settings.clamp_indirect);
   if (settings.crop) *message.mutable_crop() = to_proto(*settings.crop);
+  add_layers(settings.layers, *message.mutable_layers());
   return message;
 }
 
@@ -168,6 +191,9 @@ core::Result<core::RenderSettings> from_proto(const v1::RenderSettings& message)
     if (!crop) return fail(crop.error());
     settings.crop = *crop;
   }
+  const core::Result<core::LayerSet> layers = layers_from(message.layers());
+  if (!layers) return fail(layers.error());
+  settings.layers = *layers;
   return core::resolve_settings(settings, {});
 }
 
@@ -191,6 +217,7 @@ v1::RenderOverrides to_proto(const core::RenderOverrides& overrides) {
   if (overrides.heuristic) message.set_heuristic(to_proto(*overrides.heuristic));
   if (overrides.clamp_indirect) message.set_clamp_indirect(*overrides.clamp_indirect);
   if (overrides.crop) *message.mutable_crop() = to_proto(*overrides.crop);
+  if (overrides.layers) add_layers(*overrides.layers, *message.mutable_layers()->mutable_names());
   return message;
 }
 
@@ -224,7 +251,42 @@ core::Result<core::RenderOverrides> from_proto(const v1::RenderOverrides& messag
     if (!crop) return fail(crop.error());
     overrides.crop = *crop;
   }
+  if (message.has_layers()) {
+    const core::Result<core::LayerSet> layers = layers_from(message.layers().names());
+    if (!layers) return fail(layers.error());
+    overrides.layers = *layers;
+  }
   return overrides;
+}
+
+v1::FilmLayout to_proto(const core::FilmLayout& layout) {
+  v1::FilmLayout message;
+  for (const core::FilmChannel& each : layout.channels) {
+    v1::FilmChannel& channel = *message.add_channels();
+    channel.set_name(each.name);
+    channel.set_encoding(to_proto(each.encoding));
+  }
+  return message;
+}
+
+void add_layers(core::LayerSet layers, google::protobuf::RepeatedPtrField<std::string>& names) {
+  for (const std::string_view name : core::layer_names(layers)) names.Add(std::string(name));
+}
+
+core::Result<core::LayerSet> layers_from(const google::protobuf::RepeatedPtrField<std::string>& names) {
+  if (static_cast<std::size_t>(names.size()) > core::kLayerCount)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("layers: there are {}, got {}", core::kLayerCount, names.size()));
+  core::LayerSet layers;
+  for (const std::string& name : names) {
+    const auto named = core::parse_layers(name);
+    if (!named || !std::has_single_bit(named->bits))
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("layers: must be of {}; got '{}'", fmt::join(core::layer_names(), ", "),
+                              core::printable(name)));
+    layers.bits |= named->bits;
+  }
+  return layers;
 }
 
 v1::PixelRect to_proto(const core::PixelRect& rect) {

@@ -3,10 +3,15 @@
 // from_proto returns INVALID_ARGUMENT with the field's name for an invalid value.
 #pragma once
 
+#include <google/protobuf/repeated_ptr_field.h>
+
 #include <cstdint>
+#include <string>
 
 #include "core/base/error.hpp"
 #include "core/film/film.hpp"
+#include "core/film/layers.hpp"
+#include "core/film/layout.hpp"
 #include "core/film/region.hpp"
 #include "core/scene/settings.hpp"
 #include "tessera/v1/types.pb.h"
@@ -35,6 +40,13 @@ v1::RenderOverrides to_proto(const core::RenderOverrides& overrides);
 // Checks only that the values are representable. core::resolve_settings checks the limits, with the same
 // messages as for a local render.
 core::Result<core::RenderOverrides> from_proto(const v1::RenderOverrides& overrides);
+
+v1::ChannelEncoding to_proto(core::ChannelEncoding encoding);
+v1::FilmLayout to_proto(const core::FilmLayout& layout);
+// The names of layers. INVALID_ARGUMENT names `layers`: one is unknown, or there are more than there are
+// layers.
+void add_layers(core::LayerSet layers, google::protobuf::RepeatedPtrField<std::string>& names);
+core::Result<core::LayerSet> layers_from(const google::protobuf::RepeatedPtrField<std::string>& names);
 
 v1::PixelRect to_proto(const core::PixelRect& rect);
 // Checks that the rectangle is not empty and lies within the largest possible image.

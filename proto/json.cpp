@@ -76,6 +76,7 @@ void add_settings(Json& json, const v1::RenderSettings& settings) {
   json["seed"] = settings.seed();
   json["max_depth"] = settings.max_depth();
   add_filter(json, settings);
+  json["layers"] = list_json(settings.layers());
 }
 
 void add_display(Json& json, const v1::DisplaySettings& display) {
@@ -165,6 +166,13 @@ Json images_json(const v1::Job& job) {
   return images;
 }
 
+Json events_json(const v1::Job& job) {
+  Json events = Json::array();
+  for (const v1::JobEvent& event : job.events())
+    events.push_back({{"at", time_json(event.at(), event.has_at())}, {"kind", event_name(event.kind())}});
+  return events;
+}
+
 // A map of protobuf has no order.
 Json labels_json(const v1::Job& job) {
   Json labels = Json::object();
@@ -235,6 +243,7 @@ Json to_json(const v1::Job& job) {
   if (!job.images().empty()) json["images"] = images_json(job);
   json["created_at"] = time_json(job.created_at(), job.has_created_at());
   json["finished_at"] = time_json(job.finished_at(), job.has_finished_at());
+  if (!job.events().empty()) json["events"] = events_json(job);
   json["revision"] = job.revision();
   json["failure"] = failure_json(job);
   json["warnings"] = list_json(job.warnings());

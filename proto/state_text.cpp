@@ -30,6 +30,31 @@ std::string state_name(v1::JobState state) {
   }
 }
 
+std::string event_name(v1::JobEvent::Kind kind) {
+  switch (kind) {
+    case v1::JobEvent::KIND_SUBMITTED:
+      return "submitted";
+    case v1::JobEvent::KIND_VALIDATED:
+      return "validated";
+    case v1::JobEvent::KIND_STARTED:
+      return "started";
+    case v1::JobEvent::KIND_PAUSED:
+      return "paused";
+    case v1::JobEvent::KIND_RESUMED:
+      return "resumed";
+    case v1::JobEvent::KIND_EXTENDED:
+      return "extended";
+    case v1::JobEvent::KIND_DONE:
+      return "done";
+    case v1::JobEvent::KIND_CANCELLED:
+      return "cancelled";
+    case v1::JobEvent::KIND_FAILED:
+      return "failed";
+    default:
+      return "unknown";
+  }
+}
+
 std::string worker_state(const v1::Worker& worker) {
   if (worker.quarantined()) return "quarantined";
   if (worker.silent()) return "silent";

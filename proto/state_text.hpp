@@ -16,6 +16,10 @@ std::string short_id(const std::string& id);
 // "validating", "running", "paused", "done", "cancelled" or "failed"; "unknown" for states of later releases.
 std::string state_name(v1::JobState state);
 
+// "submitted", "validated", "started", "paused", "resumed", "extended", "done", "cancelled" or "failed";
+// "unknown" for kinds of later releases.
+std::string event_name(v1::JobEvent::Kind kind);
+
 // "quarantined", "silent", "draining", "drained", "leaving", "stuck", "fetching", "in cooldown", "working" or
 // "idle": the first that applies.
 std::string worker_state(const v1::Worker& worker);

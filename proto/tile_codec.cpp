@@ -34,12 +34,17 @@ struct HashState {
   }
 };
 
-// The checksum of all sums in order.
-std::uint64_t checksum(const std::vector<std::uint64_t>& sums, const std::vector<std::uint64_t>& odd_sums) {
+// The checksum of all words in order.
+std::uint64_t checksum(const std::vector<std::uint64_t>& sums, const std::vector<std::uint64_t>& odd_sums,
+                       const core::Planes& planes) {
   thread_local const HashState kept;
   XXH3_64bits_reset(kept.state.get());
-  for (const auto* part : {&sums, &odd_sums})
-    XXH3_64bits_update(kept.state.get(), part->data(), part->size() * sizeof(std::uint64_t));
+  const auto add = [](const std::vector<std::uint64_t>& words) {
+    XXH3_64bits_update(kept.state.get(), words.data(), words.size() * sizeof(std::uint64_t));
+  };
+  add(sums);
+  add(odd_sums);
+  for (const core::Plane& plane : planes) add(plane);
   return XXH3_64bits_digest(kept.state.get());
 }
 
@@ -58,10 +63,15 @@ core::Result<TilePlanes> decode_in_a_row(const std::string& frame, std::size_t c
   return TilePlanes{std::move(sums), std::move(odd_sums)};
 }
 
-core::Result<TilePlanes> decode_sums(const v1::RenderedItem& message, std::size_t count) {
+core::Result<TilePlanes> decode_sums(const v1::RenderedItem& message, const core::FilmLayout& layout,
+                                     const WorkItem& item) {
+  const std::size_t pixels = item.rect.pixel_count(), count = layout.sums(pixels);
+  if (auto fit = check_plane_words(message.plane_words(), layout, pixels, item.range.count()); !fit)
+    return fail(ErrorCode::kInvalidArgument, fmt::format("plane_words: {}", fit.error().message));
   const bool in_a_row = message.planes_zstd().empty() && !message.sums_zstd().empty();
-  auto sums =
-      in_a_row ? decode_in_a_row(message.sums_zstd(), count) : decode_planes(message.planes_zstd(), count);
+  auto sums = in_a_row && layout.planes() == 0
+                  ? decode_in_a_row(message.sums_zstd(), count)
+                  : decode_planes(message.planes_zstd(), count, message.plane_words());
   if (sums) return sums;
   return fail(ErrorCode::kInvalidArgument,
               fmt::format("{}: {}", in_a_row ? "sums_zstd" : "planes_zstd", sums.error().message));
@@ -93,18 +103,19 @@ core::Status check_counters(const core::RenderCounters& counters, const WorkItem
 v1::RenderedItem encode_tile(const core::FilmTile& tile, std::uint32_t image) {
   v1::RenderedItem message;
   *message.mutable_item() = to_proto(WorkItem{tile.rect, tile.range, image});
-  message.set_planes_zstd(encode_planes(tile.sums, tile.odd_sums));
-  message.set_sums_xxh3(checksum(tile.sums, tile.odd_sums));
+  message.set_planes_zstd(encode_planes(tile.sums, tile.odd_sums, tile.planes));
+  add_plane_words(tile.planes, *message.mutable_plane_words());
+  message.set_sums_xxh3(checksum(tile.sums, tile.odd_sums, tile.planes));
   *message.mutable_counters() = to_proto(tile.counters);
   return message;
 }
 
-core::Result<core::FilmTile> decode_tile(const v1::RenderedItem& message) {
+core::Result<core::FilmTile> decode_tile(const v1::RenderedItem& message, core::LayerSet layers) {
   const core::Result<WorkItem> item = decode_region(message);
   if (!item) return fail(item.error());
-  auto read = decode_sums(message, core::rgb_layout().sums(item->rect.pixel_count()));
+  auto read = decode_sums(message, core::film_layout(layers), *item);
   if (!read) return fail(read.error());
-  if (checksum(read->sums, read->odd_sums) != message.sums_xxh3())
+  if (checksum(read->sums, read->odd_sums, read->planes) != message.sums_xxh3())
     return fail(ErrorCode::kInvalidArgument,
                 "sums_xxh3: does not match the sums; they were damaged on the way");
   core::FilmTile tile;
@@ -112,9 +123,18 @@ core::Result<core::FilmTile> decode_tile(const v1::RenderedItem& message) {
   tile.range = item->range;
   tile.sums = std::move(read->sums);
   tile.odd_sums = std::move(read->odd_sums);
+  tile.layers = layers;
+  tile.planes = std::move(read->planes);
   tile.counters = from_proto(message.counters());
   if (core::Status fits = check_counters(tile.counters, *item); !fits) return fail(fits.error());
   return tile;
+}
+
+std::uint64_t claimed_bytes(const v1::RenderedItem& message) {
+  const auto item = decode_region(message);
+  std::uint64_t words = item ? 2 * core::rgb_layout().sums(item->rect.pixel_count()) : 0;
+  for (const std::uint32_t of_plane : message.plane_words()) words += of_plane;
+  return words * sizeof(std::uint64_t);
 }
 
 }  // namespace tessera::proto

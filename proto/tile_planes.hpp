@@ -5,22 +5,40 @@
 // functions.
 #pragma once
 
+#include <google/protobuf/repeated_field.h>
+
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/film/layout.hpp"
+#include "core/film/planes.hpp"
 
 namespace tessera::proto {
+
+using PlaneSizes = google::protobuf::RepeatedField<std::uint32_t>;
 
 struct TilePlanes {
   // Both have the same size.
   std::vector<std::uint64_t> sums, odd_sums;
+  core::Planes planes{};  // of the layers
 };
 
-std::string encode_planes(const std::vector<std::uint64_t>& sums, const std::vector<std::uint64_t>& odd_sums);
-// `count` is the size of each of the two. DATA_LOSS if the frame is damaged or has another size.
-core::Result<TilePlanes> decode_planes(std::string_view frame, std::size_t count);
+// All words, one list after the other.
+std::string encode_planes(const std::vector<std::uint64_t>& sums, const std::vector<std::uint64_t>& odd_sums,
+                          const core::Planes& planes = {});
+// `count` is the size of each of the two lists of sums. DATA_LOSS if the frame is damaged or has another
+// size.
+core::Result<TilePlanes> decode_planes(std::string_view frame, std::size_t count,
+                                       const PlaneSizes& plane_words = {});
+
+// The sizes of the planes in words.
+void add_plane_words(const core::Planes& planes, PlaneSizes& plane_words);
+// DATA_LOSS if planes of these sizes cannot be those of a tile with this layout: bounds what decode_planes()
+// takes.
+core::Status check_plane_words(const PlaneSizes& plane_words, const core::FilmLayout& layout,
+                               std::size_t pixels, std::uint32_t samples);
 
 }  // namespace tessera::proto

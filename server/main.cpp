@@ -13,19 +13,24 @@
 #include <memory>
 #include <new>
 #include <stop_token>
+#include <utility>
+#include <vector>
 
+#include "core/base/printable.hpp"
 #include "core/base/standard_streams.hpp"
 #include "core/cli/parse.hpp"
 #include "core/common/journal.hpp"
 #include "core/common/log.hpp"
 #include "core/common/metrics_server.hpp"
 #include "core/common/open_files.hpp"
+#include "core/common/passed_sockets.hpp"
 #include "core/common/secret_file.hpp"
 #include "core/common/service_manager.hpp"
 #include "core/sandbox/check.hpp"
 #include "proto/certificates.hpp"
 #include "proto/channel.hpp"
 #include "server/admin/maintenance.hpp"
+#include "server/base/file.hpp"
 #include "server/farm/totals.hpp"
 #include "server/http/api.hpp"
 #include "server/metrics/collect.hpp"
@@ -65,10 +70,34 @@ void warn_of_open_doors(const server::Options& options) {
         options.listen);
 }
 
+// Takes the sockets of the service manager instead of listening itself. Their addresses replace the options,
+// so that they need the same security.
+core::Status adopt_passed_sockets(server::Options& options, std::vector<base::Fd>& sockets) {
+  auto passed = common::take_passed_sockets();
+  if (!passed) return core::fail(passed.error());
+  for (const common::PassedSocket& each : *passed) {
+    if (each.name == "http" && options.http_socket < 0) {
+      options.http = each.address;
+      options.http_socket = each.descriptor;
+      options.http_is_given = true;
+    } else if (each.name == "grpc") {
+      const bool is_first = sockets.empty() || !proto::is_loopback(each.address);
+      if (is_first) options.listen = each.address;
+      sockets.emplace(is_first ? sockets.begin() : sockets.end(), each.descriptor);
+    } else {
+      return core::fail(core::ErrorCode::kInvalidArgument,
+                        fmt::format("the service manager has passed on a socket at {} with the name '{}': "
+                                    "FileDescriptorName= must be grpc, or http for one socket",
+                                    each.address, core::printable(each.name)));
+    }
+  }
+  return {};
+}
+
 // Null if it is off, or if nobody has asked for it and its port is taken. The server must outlive it.
 core::Result<std::unique_ptr<http_api::Api>> serve_page(const server::Options& options, rpc::Server& server) {
   if (options.http == "off") return nullptr;
-  auto page = http_api::Api::start(server.services(), {options.http, options.security});
+  auto page = http_api::Api::start(server.services(), {options.http, options.http_socket, options.security});
   if (page || options.http_is_given) return page;
   if (page.error().code != core::ErrorCode::kUnavailable) return page;
   spdlog::warn("there is no page: {} (--http HOST:PORT chooses another port, --http off silences this)",
@@ -150,7 +179,7 @@ void wait_for_stop(const server::Options& options, rpc::Server& server, const si
   report.stopping();
 }
 
-core::Status run(const server::Options& options, const sigset_t& signals) {
+core::Status run(const server::Options& options, std::vector<base::Fd> sockets, const sigset_t& signals) {
   if (const auto enough = check_address_space(); !enough) return enough;
   if (const auto found = validator::check_validator(options.validator); !found)
     return core::fail(found.error());
@@ -170,7 +199,8 @@ core::Status run(const server::Options& options, const sigset_t& signals) {
                                               .require_sandbox = options.require_sandbox};
     auto approval = validator::validate_scene(validator, blobs, {bundle, overrides, frames});
     if (!approval) return core::fail(approval.error());
-    return jobs::CheckedScene{approval->settings, approval->display, std::move(approval->warnings)};
+    return jobs::CheckedScene{approval->settings, approval->display, std::move(approval->warnings),
+                              std::move(approval->scene_digests), std::move(approval->attributes)};
   };
   server::CoordinatorOptions settings;
   settings.limits = options.limits;
@@ -183,8 +213,10 @@ core::Status run(const server::Options& options, const sigset_t& signals) {
     settings.farm.fingerprints = {options.fingerprints.begin(), options.fingerprints.end()};
   const auto coordinator = server::Coordinator::open(settings, std::move(*state), check);
   if (!coordinator) return core::fail(coordinator.error());
-  rpc::ServerOptions serving{
-      .address = options.listen, .security = options.security, .limits = options.limits};
+  rpc::ServerOptions serving{.address = options.listen,
+                             .sockets = std::move(sockets),
+                             .security = options.security,
+                             .limits = options.limits};
   if (!options.keep_finished.empty()) {
     const auto keep = jobs::read_keep_finished(options.keep_finished);
     if (!keep) return core::fail(keep.error());
@@ -217,9 +249,11 @@ core::Status run(const server::Options& options, const sigset_t& signals) {
   return (*server)->stop();
 }
 
-core::Status run_guarded(const server::Options& options, const sigset_t& signals) {
+core::Status run_guarded(server::Options options, const sigset_t& signals) {
   try {
-    return run(options, signals);
+    std::vector<base::Fd> sockets;
+    if (auto adopted = adopt_passed_sockets(options, sockets); !adopted) return adopted;
+    return run(options, std::move(sockets), signals);
   } catch (const std::bad_alloc&) {
     return core::fail(core::ErrorCode::kResourceExhausted,
                       "there is not enough memory to start (ulimit -v, LimitAS= or MemoryMax= of systemd)");

@@ -47,6 +47,8 @@ struct Options {
   std::string http = "127.0.0.1:7480";
   // Whether that was given: a default port that is taken is no error.
   bool http_is_given = false;
+  // A socket of the service manager that listens at `http`; -1 for none.
+  int http_socket = -1;
   // HOST:PORT to serve metrics at (proto/metrics_server.hpp). Empty: nowhere.
   std::string metrics;
   // HOST:PORT for cluster managers (server/scaling/cluster_server.hpp). Empty: nowhere.

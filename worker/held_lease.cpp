@@ -10,11 +10,13 @@ namespace {
 
 // An unfinished item is sent in parts that took about this long to render.
 constexpr Duration kLongestGrowing = std::chrono::seconds(2);
-// The sums in one message before compression. It is small enough for a slow line.
+// The sums and planes in one message before compression. It is small enough for a slow line.
 constexpr std::size_t kMaxBatchBytes = std::size_t{2} << 20;
 
 std::size_t sums_bytes(const core::FilmTile& tile) {
-  return (tile.sums.size() + tile.odd_sums.size()) * sizeof(std::uint64_t);
+  std::size_t words = tile.sums.size() + tile.odd_sums.size();
+  for (const core::Plane& plane : tile.planes) words += plane.size();
+  return words * sizeof(std::uint64_t);
 }
 
 core::SampleRange intersection(core::SampleRange a, core::SampleRange b) {

@@ -57,7 +57,7 @@ void check_tiles(store::JobStore& jobs, const store::JobRow& row, const v1::Job&
   }
   const scheduler::JobGrid grid = farm::grid_of(spec);
   for (const auto& [tile, ranges] : *done) {
-    const auto stored = film::read_stored_tile(jobs, row.id, grid, tile);
+    const auto stored = film::read_stored_tile(jobs, row.id, grid, tile, farm::layers_of(spec));
     if (stored) {
       findings.samples_done += stored->content.sums.samples * grid.rect(tile).pixel_count();
     } else {

@@ -25,21 +25,27 @@ namespace fs = std::filesystem;
 constexpr const char* kCopyName = "tessera.db.salvaged";
 
 core::Status keep_tiles(store::JobStore& from, store::JobStore& to, const store::JobRow& row,
-                        const scheduler::JobGrid& grid, Salvage& salvage) {
+                        const v1::Job& job, Salvage& salvage) {
+  const scheduler::JobGrid grid = farm::grid_of(job);
+  const core::LayerSet layers = farm::layers_of(job);
   const bool is_rendered_on = row.state != v1::JOB_STATE_CANCELLED && row.state != v1::JOB_STATE_FAILED;
   std::vector<store::TileRow> batch;
+  std::size_t batch_bytes = 0;
   // Tries every tile, since the list of tiles may be damaged.
   for (int tile = 0; tile < grid.tile_count(); ++tile) {
-    auto stored = film::read_stored_tile(from, row.id, grid, tile);
+    auto stored = film::read_stored_tile(from, row.id, grid, tile, layers);
     if (stored) {
       ++salvage.tiles;
+      batch_bytes += stored->row.content.size();
       batch.push_back(std::move(stored->row));
     } else if (stored.error().code != core::ErrorCode::kNotFound) {
       ++(is_rendered_on ? salvage.lost_tiles : salvage.tiles_lost_for_good);
     }
-    if (batch.size() < film::kTilesPerBatch && tile + 1 < grid.tile_count()) continue;
+    const bool is_full = batch.size() == film::kTilesPerBatch || batch_bytes >= film::kBytesPerBatch;
+    if (!is_full && tile + 1 < grid.tile_count()) continue;
     if (auto written = to.write_tiles(batch); !written) return written;
     batch.clear();
+    batch_bytes = 0;
   }
   return {};
 }
@@ -88,7 +94,7 @@ core::Result<Salvage> copy_whole_jobs(const fs::path& database, store::JobStore&
     if (!row.request_id.empty() && !kept_requests.insert(row.request_id).second) row.request_id.clear();
     row.settled = false;  // the next start looks for lost tiles
     if (auto kept = to.insert_job(row); !kept) return core::fail(kept.error());
-    auto kept = keep_tiles(from, to, row, farm::grid_of(**job), salvage);
+    auto kept = keep_tiles(from, to, row, **job, salvage);
     if (!kept) return core::fail(kept.error());
   }
   if (auto kept = copy_quarantine(from, to); !kept) return core::fail(kept.error());

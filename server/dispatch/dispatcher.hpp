@@ -61,6 +61,10 @@ class Dispatcher {
   bool advance_time();
   core::Status check_token(const v1::SubmitResultRequest& request);
   std::vector<v1::Worker> next_workers(const std::string& after);
+  std::optional<core::LayerSet> layers_of_job(const std::string& id);
+  core::Result<v1::SubmitResultResponse> drop(const v1::SubmitResultRequest& request,
+                                              const farm::WorkerPrincipal& caller);
+  core::Error refuse(const core::Error& error);
   core::Error defer(const v1::SubmitResultRequest& request, const farm::WorkerPrincipal& caller);
   core::Result<Counted> count_result(farm::StateLock& lock, const v1::SubmitResultRequest& request,
                                      Delivery& delivery);

@@ -28,6 +28,7 @@ namespace {
 
 // A message of some kilobytes could otherwise take gigabytes to decompress.
 constexpr int kMaxItemsPerResult = 256;
+constexpr std::uint64_t kMaxWordBytesPerResult = std::uint64_t{64} << 20;
 
 // Checkpoints follow each other at once while memory is scarce.
 constexpr std::uint32_t kDeferredMs = 1000;
@@ -50,14 +51,30 @@ std::vector<scheduler::LeaseId> held_besides(const v1::SubmitResultRequest& requ
   return held;
 }
 
-core::Result<film::Notes> decode_items(const v1::SubmitResultRequest& request) {
+core::Status check_size(const v1::SubmitResultRequest& request) {
   if (request.items_size() > kMaxItemsPerResult) {
     return core::fail(ErrorCode::kInvalidArgument, fmt::format("items: at most {} in one message, got {}",
                                                                kMaxItemsPerResult, request.items_size()));
   }
+  std::uint64_t bytes = 0;
+  for (const v1::RenderedItem& item : request.items()) bytes += proto::claimed_bytes(item);
+  if (bytes > kMaxWordBytesPerResult)
+    return core::fail(ErrorCode::kInvalidArgument,
+                      fmt::format("items: at most {} MiB of words in one message, got {} bytes",
+                                  kMaxWordBytesPerResult >> 20, bytes));
+  return {};
+}
+
+bool has_planes(const v1::SubmitResultRequest& request) {
+  return std::any_of(request.items().begin(), request.items().end(),
+                     [](const v1::RenderedItem& item) { return !item.plane_words().empty(); });
+}
+
+core::Result<film::Notes> decode_items(const v1::SubmitResultRequest& request, core::LayerSet layers) {
+  if (auto fits = check_size(request); !fits) return core::fail(fits.error());
   film::Notes tiles;
   for (int i = 0; i < request.items_size(); ++i) {
-    auto tile = proto::decode_tile(request.items(i));
+    auto tile = proto::decode_tile(request.items(i), layers);
     core::Status valid = tile ? film::check_plausible(*tile) : core::fail(tile.error());
     if (!valid) return core::fail(valid.error().within(fmt::format("items[{}]", i)));
     tiles.push_back({scheduler::kNoTile, std::move(*tile)});
@@ -178,6 +195,7 @@ core::Status may_deliver(const StateLock& lock, const std::string& worker,
 // The decoded content of a result, prepared without the state lock.
 struct Dispatcher::Delivery {
   film::Notes tiles;
+  core::LayerSet layers{};  // of the tiles
   std::vector<scheduler::Fingerprint> fingerprints;
   // Memory for notes to clear tiles: an item can disprove one tile.
   film::Notes spare{};
@@ -230,8 +248,11 @@ core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::Submi
     return core::fail(rejected(RejectedFor::kMalformed, fit.error()));
   if (auto own = check_token(request); !own) return core::fail(rejected(RejectedFor::kToken, own.error()));
   if (request.items_size() > 0 && !film_memory_.has_room()) return core::fail(defer(request, caller));
-  auto tiles = decode_items(request);
+  const std::optional<core::LayerSet> layers = layers_of_job(request.job_id());
+  if (!layers && has_planes(request)) return drop(request, caller);
   Delivery delivery;
+  delivery.layers = layers.value_or(core::LayerSet());
+  auto tiles = decode_items(request, delivery.layers);
   if (tiles) delivery.tiles = std::move(*tiles);
   for (const film::Note& tile : delivery.tiles)
     delivery.fingerprints.push_back(fingerprinter_.of(tile.samples));
@@ -239,10 +260,8 @@ core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::Submi
   if (caller.individual) delivery.principal = caller.name;
   const core::Result<Counted> counted = [&]() -> core::Result<Counted> {
     StateLock lock(farm_);
-    if (auto may = may_deliver(lock, request.worker_id(), caller); !may) {
-      const bool is_own = may.error().code != ErrorCode::kPermissionDenied;
-      return core::fail(rejected(is_own ? RejectedFor::kQuarantine : RejectedFor::kPrincipal, may.error()));
-    }
+    if (auto may = may_deliver(lock, request.worker_id(), caller); !may)
+      return core::fail(refuse(may.error()));
     auto result = tiles ? count_result(lock, request, delivery)
                         : core::Result<Counted>(core::fail(rejected(RejectedFor::kMalformed, tiles.error())));
     if (!result && result.error().code == ErrorCode::kInvalidArgument)
@@ -253,6 +272,37 @@ core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::Submi
   if (!counted) return core::fail(counted.error());
   if (counted->film) counted->film->apply();
   return counted->message();
+}
+
+// Empty if the job has no film in memory.
+std::optional<core::LayerSet> Dispatcher::layers_of_job(const std::string& id) {
+  const StateLock lock(farm_);
+  const JobRecord* const record = lock->find_job(id);
+  if (record == nullptr || !record->film) return std::nullopt;
+  return record->film->layers();
+}
+
+// A result with layers of a job that is gone, that is done and stored, or that could not be recovered. It is
+// not decoded: nobody knows which layers these are.
+core::Result<v1::SubmitResultResponse> Dispatcher::drop(const v1::SubmitResultRequest& request,
+                                                        const farm::WorkerPrincipal& caller) {
+  if (auto fits = check_size(request); !fits)
+    return core::fail(rejected(RejectedFor::kMalformed, fits.error()));
+  {
+    StateLock lock(farm_);
+    if (auto may = may_deliver(lock, request.worker_id(), caller); !may)
+      return core::fail(refuse(may.error()));
+  }
+  const auto items = static_cast<std::uint32_t>(request.items_size());
+  result_counts_.note_items_of_unknown_job(items);
+  v1::SubmitResultResponse response;
+  response.set_dropped_items(items);
+  return response;
+}
+
+core::Error Dispatcher::refuse(const core::Error& error) {
+  const bool is_own = error.code != ErrorCode::kPermissionDenied;
+  return rejected(is_own ? RejectedFor::kQuarantine : RejectedFor::kPrincipal, error);
 }
 
 // The worker keeps its leases meanwhile.
@@ -273,7 +323,8 @@ core::Result<Dispatcher::Counted> Dispatcher::count_result(StateLock& lock,
                                                            const v1::SubmitResultRequest& request,
                                                            Delivery& delivery) {
   JobRecord* record = lock->find_job(request.job_id());
-  if (record == nullptr) {
+  // A job that was brought back meanwhile may have other layers.
+  if (record == nullptr || (record->film && record->film->layers() != delivery.layers)) {
     result_counts_.note_items_of_unknown_job(delivery.tiles.size());
     return Counted{0, static_cast<std::uint32_t>(delivery.tiles.size()), {}, {}};
   }
@@ -310,6 +361,7 @@ core::Result<Dispatcher::Counted> Dispatcher::decide(StateLock& lock, JobRecord&
   }
   if (counted.accepted_items > 0 && record.arithmetic.empty()) {
     record.arithmetic = event.determinism_fingerprint;
+    lock.note_first_samples(record);
     lock.change(record);
   }
   if (actions.reply) counted.new_leases = new_leases(lock, event, *actions.reply);

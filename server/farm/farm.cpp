@@ -31,6 +31,14 @@ std::vector<std::chrono::nanoseconds> Farm::hold_bounds() {
           milliseconds(100), milliseconds(250), milliseconds(500), milliseconds(1000)};
 }
 
+std::vector<std::chrono::nanoseconds> Farm::first_samples_bounds() {
+  using std::chrono::milliseconds;
+  using std::chrono::seconds;
+  return {milliseconds(100), milliseconds(250), milliseconds(500), seconds(1),
+          seconds(2),        seconds(5),        seconds(10),       seconds(30),
+          seconds(60),       seconds(300),      seconds(1800),     seconds(7200)};
+}
+
 State::State(const Options& options) : scheduler(scheduler_options(options)) {}
 
 JobRecord* State::find_job(const std::string& id) {

@@ -110,13 +110,19 @@ struct State {
 class Farm {
  public:
   explicit Farm(Options options)
-      : options_(std::move(options)), events_(options_.epoch), lock_holds_(hold_bounds()), state_(options_) {}
+      : options_(std::move(options)),
+        events_(options_.epoch),
+        lock_holds_(hold_bounds()),
+        first_samples_(first_samples_bounds()),
+        state_(options_) {}
 
   const Options& options() const { return options_; }
   // Readers of the log need no state lock. Changes are appended by StateLock.
   events::EventLog& events() { return events_; }
   // How long the state lock was held, each time.
   const base::DurationHistogram& lock_holds() const { return lock_holds_; }
+  // The time from the submission of each job until its first samples were counted.
+  const base::DurationHistogram& first_samples() const { return first_samples_; }
   // What StateLock locks, for annotations.
   core::Mutex& mutex() TESSERA_RETURNS(mutex_) { return mutex_; }
 
@@ -125,10 +131,12 @@ class Farm {
 
   // From 10 µs to a second.
   static std::vector<std::chrono::nanoseconds> hold_bounds();
+  // From 0.1 s to two hours.
+  static std::vector<std::chrono::nanoseconds> first_samples_bounds();
 
   const Options options_;
   events::EventLog events_;
-  base::DurationHistogram lock_holds_;
+  base::DurationHistogram lock_holds_, first_samples_;
   core::Mutex mutex_;
   State state_ TESSERA_GUARDED_BY(mutex_);
 };

@@ -69,11 +69,13 @@ void add_images(const JobSnapshot& snapshot, v1::Job& job) {
   const bool is_done = job.state() == v1::JOB_STATE_DONE;
   const std::vector<std::uint64_t> samples = samples_by_image(snapshot);
   const int count = static_cast<int>(job.image_count());
+  const core::LayerSet layers = layers_of(*snapshot.spec);
   for (int i = 0; i < count; ++i) {
     v1::Image& image = *job.add_images();
     if (i < snapshot.spec->images_size()) image = snapshot.spec->images(i);
     if (!snapshot.is_validated) continue;
     const auto at = static_cast<std::size_t>(i);
+    if (i == 0 && !layers.empty()) *image.mutable_layout() = proto::to_proto(core::film_layout(layers));
     const std::uint64_t total = shape.pixel_samples_of(i);
     const std::uint64_t known = count == 1 ? job.samples_done() : at < samples.size() ? samples[at] : 0;
     image.set_samples_total(total);
@@ -81,19 +83,43 @@ void add_images(const JobSnapshot& snapshot, v1::Job& job) {
   }
 }
 
+// A job of an earlier release has its end alone. That of a job whose completion is unpublished is left out.
+void add_events(const JobSnapshot& snapshot, v1::Job& job) {
+  const auto add = [&job](v1::JobEvent::Kind kind, const google::protobuf::Timestamp& at) {
+    v1::JobEvent& event = *job.add_events();
+    event.set_kind(kind);
+    *event.mutable_at() = at;
+  };
+  add(v1::JobEvent::KIND_SUBMITTED, job.created_at());
+  std::vector<JobLife::Event> events = snapshot.life.events();
+  if (snapshot.is_unpublished && !events.empty() && is_end(events.back().kind)) events.pop_back();
+  for (const JobLife::Event& each : events) add(each.kind, timestamp_from_ms(each.at_ms));
+  if (events.empty() && job.has_finished_at()) add(event_of(snapshot.view.state), job.finished_at());
+}
+
 stored::v1::Counters stored_counters_of(const JobSnapshot& job) {
   stored::v1::Counters counters = film::to_stored(counters_of(job));
   const std::vector<std::uint64_t> samples = samples_by_image(job);
   if (samples.size() > 1) counters.mutable_samples_by_image()->Add(samples.begin(), samples.end());
+  write_life(job.life, counters);
   return counters;
 }
 
 }  // namespace
 
+bool has_all_samples(const JobSnapshot& snapshot) {
+  return snapshot.view.shape.targets.all().empty() && snapshot.view.state == scheduler::JobState::kDone &&
+         !snapshot.is_unpublished;
+}
+
 bool is_text(const std::string& bytes) {
   v1::Job told;
   told.set_failure(bytes);
   return told.ParseFromString(told.SerializeAsString());
+}
+
+core::LayerSet layers_of(const v1::Job& spec) {
+  return proto::layers_from(spec.settings().layers()).value_or(core::LayerSet());
 }
 
 scheduler::JobGrid grid_of(const v1::Job& spec) {
@@ -123,12 +149,15 @@ JobSnapshot::JobSnapshot(const JobRecord& record, scheduler::JobView job_view,
       film(record.film),
       stored_counters(record.stored_counters),
       stored_samples_by_image(record.stored_samples_by_image),
+      life(record.life),
       view(std::move(job_view)),
       troubles(std::move(job_troubles)) {}
 
 v1::Job describe(const JobSnapshot& snapshot) {
   v1::Job job = describe_without_bundle(snapshot);
   *job.mutable_bundle() = snapshot.spec->bundle();
+  *job.mutable_scene_digests() = snapshot.spec->scene_digests();
+  *job.mutable_attributes() = snapshot.spec->attributes();
   return job;
 }
 
@@ -136,6 +165,7 @@ v1::Job describe_without_bundle(const JobSnapshot& snapshot) {
   v1::Job job = summarise(snapshot);
   *job.mutable_warnings() = snapshot.spec->warnings();
   add_images(snapshot, job);
+  add_events(snapshot, job);
   return job;
 }
 
@@ -248,6 +278,7 @@ core::Result<JobRecord> from_row(const store::JobRow& row) {
   record.stored_counters = film::from_stored(counters);
   record.stored_samples_by_image.assign(counters.samples_by_image().begin(),
                                         counters.samples_by_image().end());
+  record.life = read_life(counters);
   return record;
 }
 

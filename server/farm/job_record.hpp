@@ -12,6 +12,7 @@
 
 #include "server/blobs/blob_claims.hpp"
 #include "server/events/revision.hpp"
+#include "server/farm/job_life.hpp"
 #include "server/film/job_film.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "server/store/job_store.hpp"
@@ -50,6 +51,7 @@ struct JobRecord {
   // The counters of the film, if that is null, and the samples of its images if there are several.
   core::RenderCounters stored_counters;
   std::vector<std::uint64_t> stored_samples_by_image;
+  JobLife life{};
 };
 
 // What describes a job at one moment. It is copied under the state lock; messages and rows are made of it
@@ -70,10 +72,13 @@ struct JobSnapshot {
   std::shared_ptr<const film::JobFilm> film;
   core::RenderCounters stored_counters;
   std::vector<std::uint64_t> stored_samples_by_image;
+  JobLife life;
   scheduler::JobView view;
   std::vector<std::string> troubles;
 };
 
+// The layers of the job's images.
+core::LayerSet layers_of(const v1::Job& spec);
 // The tiles of the job's images.
 scheduler::JobGrid grid_of(const v1::Job& spec);
 scheduler::JobShape shape_of(const v1::Job& spec, std::uint32_t spp);
@@ -85,10 +90,13 @@ scheduler::JobShape shape_of(const v1::Job& spec, const store::JobRow& row);
 v1::Job summarise_spec(const v1::Job& spec);
 // The job as its users see it. A job whose completion is unpublished is shown as running.
 v1::Job describe(const JobSnapshot& job);
-// The same without the bundle.
+// The same without the bundle, which can name thousands of files.
 v1::Job describe_without_bundle(const JobSnapshot& job);
-// The same without the bundle, without warnings, and without the list of images.
+// The same without the bundle, without warnings, and without the lists of images and events.
 v1::Job summarise(const JobSnapshot& job);
+
+// Whether the job is done, and each pixel has as many samples as the settings say: no fewer, and no more.
+bool has_all_samples(const JobSnapshot& job);
 
 // Whether the bytes are UTF-8, as texts of the protocol must be. A row of the store may hold anything.
 bool is_text(const std::string& bytes);

@@ -3,11 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <utility>
 
 #include "core/common/log.hpp"
 #include "server/base/wall_clock.hpp"
+#include "server/farm/wire.hpp"
 
 namespace tessera::farm {
 
@@ -199,7 +202,9 @@ void StateLock::note_change(const scheduler::JobChange& change) {
     record->unpublished_completion = record->revision;
     state_.checkpoint_is_awaited = true;
   }
-  if (is_finished(change.to)) record->finished_ms = base::wall_clock_ms();
+  const std::int64_t now_ms = base::wall_clock_ms();
+  record->life.note(event_of(change.to), now_ms);
+  if (is_finished(change.to)) record->finished_ms = now_ms;
   log(spdlog::level::info,
       fmt::format("job {} ({}) is {}", change.id.value, record->spec->name(),
                   scheduler::job_state_name(change.to)),
@@ -209,6 +214,13 @@ void StateLock::note_change(const scheduler::JobChange& change) {
         fmt::format("job {}: {}", change.id.value, state_.scheduler.job(change.id, {})->failure),
         {.job = change.id.value});
   }
+}
+
+void StateLock::note_first_samples(JobRecord& record) {
+  const std::int64_t now_ms = base::wall_clock_ms();
+  record.life.note(v1::JobEvent::KIND_STARTED, now_ms);
+  const std::int64_t since = now_ms - ms_from_timestamp(record.spec->created_at());
+  farm_.first_samples_.observe(std::chrono::milliseconds(std::max<std::int64_t>(since, 0)));
 }
 
 void StateLock::follow_audits(const scheduler::Actions& actions) {

@@ -54,6 +54,8 @@ class TESSERA_THREAD_ANNOTATION(scoped_lockable) StateLock {
   // The job has changed, but not what the store keeps of it besides its tiles. Returns the revision.
   events::Revision note_progress(JobRecord& record);
   void note_progress(ValidatingJob& job);
+  // The first samples of a job are counted.
+  void note_first_samples(JobRecord& record);
   // Removes a job that the scheduler no longer has. The caller destroys the returned record without the lock.
   std::map<std::string, JobRecord>::node_type remove_job(const std::string& id);
   // Adds a job that is to be validated.

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "core/film/layout.hpp"
+#include "proto/convert.hpp"
+#include "server/farm/job_record.hpp"
 #include "server/farm/wire.hpp"
 #include "server/store/stored.pb.h"
 
@@ -47,6 +49,7 @@ stored::v1::Settings to_stored(const v1::RenderSettings& settings) {
   stored.set_filter(static_cast<std::uint32_t>(settings.filter()));
   stored.set_filter_radius_px(settings.filter_radius_px());
   stored.set_clamp_indirect(settings.clamp_indirect());
+  *stored.mutable_layers() = settings.layers();
   if (!settings.has_crop()) return stored;
   *stored.mutable_crop() = to_stored(settings.crop());
   return stored;
@@ -64,28 +67,26 @@ v1::RenderSettings from_stored(const stored::v1::Settings& stored) {
   settings.set_filter(static_cast<v1::PixelFilter>(stored.filter()));
   settings.set_filter_radius_px(stored.filter_radius_px());
   settings.set_clamp_indirect(stored.clamp_indirect());
+  *settings.mutable_layers() = stored.layers();
   if (!stored.has_crop()) return settings;
   *settings.mutable_crop() = from_stored(stored.crop());
   return settings;
 }
 
+// The numbers of the encodings are those of the protocol.
 stored::v1::Layout to_stored(const core::FilmLayout& layout) {
   stored::v1::Layout stored;
   for (const core::FilmChannel& each : layout.channels) {
     stored::v1::Layout::Channel& channel = *stored.add_channels();
     channel.set_name(each.name);
-    channel.set_encoding(stored::v1::ENCODING_RADIANCE);
+    channel.set_encoding(static_cast<stored::v1::Encoding>(proto::to_proto(each.encoding)));
   }
   return stored;
 }
 
-bool is_known(const stored::v1::Layout& layout) {
-  const auto& known = core::rgb_layout().channels;
-  return std::equal(layout.channels().begin(), layout.channels().end(), known.begin(), known.end(),
-                    [](const stored::v1::Layout::Channel& channel, const core::FilmChannel& each) {
-                      return channel.name() == each.name &&
-                             channel.encoding() == stored::v1::ENCODING_RADIANCE;
-                    });
+// Whether a layout of the store is what this release makes of the job's layers.
+bool is_known(const stored::v1::Layout& layout, const core::FilmLayout& known) {
+  return layout.SerializeAsString() == to_stored(known).SerializeAsString();
 }
 
 // A job that names no images has one.
@@ -96,13 +97,16 @@ void add_images(const v1::Job& job, stored::v1::Job& stored) {
     added.set_name(image.name());
   }
   if (stored.images().empty()) stored.add_images();
-  *stored.mutable_images(0)->mutable_layout() = to_stored(core::rgb_layout());
+  *stored.mutable_images(0)->mutable_layout() = to_stored(core::film_layout(layers_of(job)));
 }
 
 // Whether this release can read the images.
 bool read_images(const stored::v1::Job& stored, v1::Job& job) {
-  const auto has_unknown_layout = [](const stored::v1::Image& image) {
-    return image.has_layout() && !is_known(image.layout());
+  const auto layers = proto::layers_from(stored.settings().layers());
+  if (!layers) return false;
+  const core::FilmLayout known = core::film_layout(*layers);
+  const auto has_unknown_layout = [&known](const stored::v1::Image& image) {
+    return image.has_layout() && !is_known(image.layout(), known);
   };
   if (stored.images().empty() || !stored.images(0).has_layout()) return false;
   if (std::any_of(stored.images().begin(), stored.images().end(), has_unknown_layout)) return false;
@@ -134,6 +138,12 @@ std::string encode_spec(const v1::Job& job) {
   stored.set_max_workers(job.max_workers());
   stored.mutable_labels()->insert(job.labels().begin(), job.labels().end());
   stored.mutable_warnings()->Add(job.warnings().begin(), job.warnings().end());
+  *stored.mutable_scene_digests() = job.scene_digests();
+  for (const v1::TextAttribute& each : job.attributes()) {
+    stored::v1::Attribute& attribute = *stored.add_attributes();
+    attribute.set_name(each.name());
+    attribute.set_value(each.value());
+  }
   add_images(job, stored);
   std::string bytes(1, kMark);
   stored.AppendToString(&bytes);
@@ -157,6 +167,12 @@ bool decode_spec(const std::string& bytes, v1::Job& job) {
   job.set_max_workers(stored.max_workers());
   job.mutable_labels()->insert(stored.labels().begin(), stored.labels().end());
   job.mutable_warnings()->Add(stored.warnings().begin(), stored.warnings().end());
+  *job.mutable_scene_digests() = stored.scene_digests();
+  for (const stored::v1::Attribute& each : stored.attributes()) {
+    v1::TextAttribute& attribute = *job.add_attributes();
+    attribute.set_name(each.name());
+    attribute.set_value(each.value());
+  }
   return true;
 }
 
@@ -172,6 +188,7 @@ std::string encode_submission(const v1::SubmitJobRequest& submission) {
   stored.set_heuristic(static_cast<std::uint32_t>(overrides.heuristic()));
   if (overrides.has_crop()) *stored.mutable_crop() = to_stored(overrides.crop());
   if (overrides.has_clamp_indirect()) stored.set_clamp_indirect(overrides.clamp_indirect());
+  if (overrides.has_layers()) *stored.mutable_layers()->mutable_names() = overrides.layers().names();
   if (submission.display().has_exposure_stops())
     message.set_exposure_stops(submission.display().exposure_stops());
   message.set_tone_curve(static_cast<std::uint32_t>(submission.display().tone_curve()));
@@ -191,6 +208,7 @@ bool decode_submission(const std::string& bytes, v1::SubmitJobRequest& submissio
   overrides.set_heuristic(static_cast<v1::Heuristic>(stored.heuristic()));
   if (stored.has_crop()) *overrides.mutable_crop() = from_stored(stored.crop());
   if (stored.has_clamp_indirect()) overrides.set_clamp_indirect(stored.clamp_indirect());
+  if (stored.has_layers()) *overrides.mutable_layers()->mutable_names() = stored.layers().names();
   if (message.has_exposure_stops())
     submission.mutable_display()->set_exposure_stops(message.exposure_stops());
   submission.mutable_display()->set_tone_curve(static_cast<v1::ToneCurve>(message.tone_curve()));

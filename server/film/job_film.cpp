@@ -20,8 +20,11 @@ bool is_sole_owner(const std::shared_ptr<TilePart>& part, long owners) {
 
 }  // namespace
 
-JobFilm::JobFilm(scheduler::JobGrid grid, FilmMemory& memory, events::RevisionCounter& revisions)
+JobFilm::JobFilm(scheduler::JobGrid grid, FilmMemory& memory, events::RevisionCounter& revisions,
+                 core::LayerSet layers)
     : grid_(grid),
+      layers_(layers),
+      layout_(std::make_shared<const core::FilmLayout>(core::film_layout(layers))),
       memory_(memory),
       revisions_(revisions),
       tiles_(static_cast<std::size_t>(grid.tile_count())),
@@ -36,8 +39,8 @@ JobFilm::~JobFilm() {
 }
 
 std::shared_ptr<JobFilm> JobFilm::make(scheduler::JobGrid grid, FilmMemory& memory,
-                                       events::RevisionCounter& revisions) {
-  std::shared_ptr<JobFilm> film(new JobFilm(grid, memory, revisions));
+                                       events::RevisionCounter& revisions, core::LayerSet layers) {
+  std::shared_ptr<JobFilm> film(new JobFilm(grid, memory, revisions, layers));
   memory.add(film);
   return film;
 }
@@ -99,7 +102,7 @@ void JobFilm::add(const Note& addition) {
   // Readers of a snapshot may hold the part: it is copied then.
   std::shared_ptr<TilePart> part = newest;
   if (!part)
-    part = std::make_shared<TilePart>(layout().sums(grid_.rect(addition.tile).pixel_count()), memory_);
+    part = std::make_shared<TilePart>(layout_, grid_.rect(addition.tile), memory_);
   else if (!is_sole_owner(newest, 2))
     part = std::make_shared<TilePart>(*part);
   part->add(addition.samples);

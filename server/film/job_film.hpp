@@ -67,17 +67,17 @@ struct TileToStore {
 
 class JobFilm {
  public:
-  // `memory` must outlive the film and all snapshots of it, and `revisions` the film.
+  // `memory` must outlive the film and all snapshots of it, and `revisions` the film. `layers`: of all
+  // images.
   static std::shared_ptr<JobFilm> make(scheduler::JobGrid grid, FilmMemory& memory,
-                                       events::RevisionCounter& revisions);
+                                       events::RevisionCounter& revisions, core::LayerSet layers = {});
   ~JobFilm();
   // The store has these samples since this revision. Only before anything else is called.
   void restore(int tile, scheduler::IntervalSet stored, const core::RenderCounters& counters,
                events::Revision revision);
 
   const scheduler::JobGrid& grid() const { return grid_; }
-  // That of all images.
-  const core::FilmLayout& layout() const { return core::rgb_layout(); }
+  core::LayerSet layers() const { return layers_; }
 
   // ---- Under the state lock. These take no time and cannot fail ----
   // Takes the element out of `additions`. The caller adds no sample twice.
@@ -130,7 +130,8 @@ class JobFilm {
     bool is_changed = false;       // whether it must be stored
   };
 
-  JobFilm(scheduler::JobGrid grid, FilmMemory& memory, events::RevisionCounter& revisions);
+  JobFilm(scheduler::JobGrid grid, FilmMemory& memory, events::RevisionCounter& revisions,
+          core::LayerSet layers);
   Tile& at(int tile) TESSERA_REQUIRES(mutex_) { return tiles_[static_cast<std::size_t>(tile)]; }
   const Tile& at(int tile) const TESSERA_REQUIRES(mutex_) { return tiles_[static_cast<std::size_t>(tile)]; }
   std::map<events::Revision, int>& log_of(int tile) TESSERA_REQUIRES(mutex_) {
@@ -151,6 +152,8 @@ class JobFilm {
   static std::shared_ptr<TilePart> merge_or_null(std::shared_ptr<TilePart> part, const TilePart& newer);
 
   const scheduler::JobGrid grid_;
+  const core::LayerSet layers_;
+  const std::shared_ptr<const core::FilmLayout> layout_;
   FilmMemory& memory_;
   events::RevisionCounter& revisions_;
 

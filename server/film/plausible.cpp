@@ -5,6 +5,9 @@
 
 #include <algorithm>
 
+#include "core/film/layout.hpp"
+#include "core/film/planes.hpp"
+
 namespace tessera::film {
 
 using core::ErrorCode;
@@ -66,6 +69,9 @@ core::Status check_counted(const core::FilmTile& tile) {
 }  // namespace
 
 core::Status check_plausible(const core::FilmTile& tile) {
+  const core::FilmLayout layout = core::film_layout(tile.layers);
+  if (auto valid = core::check_planes(layout, tile.planes, tile.rect, tile.range.count()); !valid)
+    return core::fail(ErrorCode::kInvalidArgument, valid.error().message);
   if (auto valid = check_first_non_finite(tile); !valid) return valid;
   if (auto valid = check_odd_sums(tile); !valid) return valid;
   return check_counted(tile);

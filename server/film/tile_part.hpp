@@ -5,8 +5,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "core/film/film.hpp"
+#include "core/film/layout.hpp"
+#include "core/film/planes.hpp"
 #include "core/film/sum_buffer.hpp"
 #include "server/film/film_memory.hpp"
 #include "server/scheduler/interval_set.hpp"
@@ -15,9 +19,13 @@ namespace tessera::film {
 
 class TilePart {
  public:
-  // Of no samples. `sums`: the number of sums of one kind: pixels times channels. Its memory counts toward
-  // `memory`, which must outlive it.
-  TilePart(std::size_t sums, FilmMemory& memory) : memory_(memory), sums_(sums), odd_sums_(sums) {}
+  // Of no samples of these pixels. Its memory counts toward `memory`, which must outlive it.
+  TilePart(std::shared_ptr<const core::FilmLayout> layout, const core::PixelRect& rect, FilmMemory& memory)
+      : memory_(memory),
+        layout_(std::move(layout)),
+        rect_(rect),
+        sums_(layout_->sums(rect.pixel_count())),
+        odd_sums_(sums_.size()) {}
   TilePart(const TilePart& other);
   TilePart& operator=(const TilePart&) = delete;
   ~TilePart() { memory_.give_back(counted_bytes_); }
@@ -34,15 +42,18 @@ class TilePart {
   core::Film::TileSums sums() const;
 
  private:
-  template <typename Sums>
-  void add_sums(const Sums& sums, const Sums& odd_sums, const scheduler::IntervalSet& samples,
+  void add_sums(const std::vector<std::uint64_t>& sums, const std::vector<std::uint64_t>& odd_sums,
+                const core::Planes& planes, const scheduler::IntervalSet& samples,
                 const core::RenderCounters& counters);
   void count_memory();
 
   FilmMemory& memory_;
+  const std::shared_ptr<const core::FilmLayout> layout_;
+  const core::PixelRect rect_;
   std::uint64_t counted_bytes_ = 0;
   scheduler::IntervalSet samples_;
   core::SumBuffer sums_, odd_sums_;
+  core::Planes planes_;
   core::RenderCounters counters_;
 };
 

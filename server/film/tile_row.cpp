@@ -69,9 +69,21 @@ core::Result<TileContent> decode_of_earlier_release(const store::TileRow& row, c
     return core::fail(damaged(row, "of another rectangle or range"));
   stored::v1::Provenance provenance;
   if (!provenance.ParseFromString(bytes)) provenance.Clear();
-  return TileContent{{std::move(item->sums), std::move(item->odd_sums), count.all, count.odd},
+  return TileContent{{std::move(item->sums), std::move(item->odd_sums), count.all, count.odd, {}},
                      item->counters,
                      from_stored(row.tile, provenance)};
+}
+
+core::Result<proto::TilePlanes> decode_layout(const stored::v1::Tile& message, const core::FilmLayout& layout,
+                                              const core::PixelRect& rect) {
+  const std::size_t pixels = rect.pixel_count();
+  auto fit = proto::check_plane_words(message.plane_words(), layout, pixels, message.samples());
+  if (!fit) return core::fail(fit.error());
+  auto planes = proto::decode_planes(message.planes_zstd(), layout.sums(pixels), message.plane_words());
+  if (!planes) return planes;
+  if (auto possible = core::check_planes(layout, planes->planes, rect, message.samples()); !possible)
+    return core::fail(possible.error());
+  return planes;
 }
 
 bool is_rect(const stored::v1::Rect& stored, const core::PixelRect& rect) {
@@ -94,26 +106,32 @@ store::TileRow encode_tile_row(const std::string& job_id, int tile, const core::
   message.set_samples(count_samples(done).all);
   *message.mutable_counters() = to_stored(content.counters);
   *message.mutable_provenance() = to_stored(content.provenance);
-  message.set_planes_zstd(proto::encode_planes(content.sums.sums, content.sums.odd_sums));
+  proto::add_plane_words(content.sums.planes, *message.mutable_plane_words());
+  message.set_planes_zstd(
+      proto::encode_planes(content.sums.sums, content.sums.odd_sums, content.sums.planes));
   std::string bytes(1, kMark);
   message.AppendToString(&bytes);
   return {job_id, tile, std::move(done), std::move(bytes)};
 }
 
-core::Result<TileContent> decode_tile_row(const store::TileRow& row, const core::PixelRect& rect) {
+core::Result<TileContent> decode_tile_row(const store::TileRow& row, const core::PixelRect& rect,
+                                          core::LayerSet layers) {
   if (row.done.empty()) return TileContent{};  // all samples were removed again
-  if (row.content.empty() || row.content.front() != kMark) return decode_of_earlier_release(row, rect);
+  const bool is_of_earlier_release = row.content.empty() || row.content.front() != kMark;
+  if (is_of_earlier_release && !layers.empty()) return core::fail(damaged(row, "without layers"));
+  if (is_of_earlier_release) return decode_of_earlier_release(row, rect);
   stored::v1::Tile message;
   if (!message.ParseFromArray(row.content.data() + 1, static_cast<int>(row.content.size() - 1)))
     return core::fail(damaged(row, "not a tile"));
   const SampleCount count = count_samples(row.done);
   if (!is_rect(message.rect(), rect) || message.samples() != count.all)
     return core::fail(damaged(row, "of another rectangle or range"));
-  auto planes = proto::decode_planes(message.planes_zstd(), core::rgb_layout().sums(rect.pixel_count()));
+  auto planes = decode_layout(message, core::film_layout(layers), rect);
   if (!planes) return core::fail(damaged(row, planes.error().message));
-  TileContent content{{std::move(planes->sums), std::move(planes->odd_sums), count.all, count.odd},
-                      from_stored(message.counters()),
-                      from_stored(row.tile, message.provenance())};
+  TileContent content{
+      {std::move(planes->sums), std::move(planes->odd_sums), count.all, count.odd, std::move(planes->planes)},
+      from_stored(message.counters()),
+      from_stored(row.tile, message.provenance())};
   if (content.counters.samples != rect.pixel_count() * std::uint64_t{count.all})
     return core::fail(damaged(row, "its counters are of other samples"));
   return content;

@@ -24,7 +24,9 @@ struct TileContent {
 // Converts a tile to a row of the store. `done` are the samples in it.
 store::TileRow encode_tile_row(const std::string& job_id, int tile, const core::PixelRect& rect,
                                std::vector<core::SampleRange> done, const TileContent& content);
-// Converts it back. DATA_LOSS if the row is not one that encode_tile_row made for this rectangle.
-core::Result<TileContent> decode_tile_row(const store::TileRow& row, const core::PixelRect& rect);
+// Converts it back. DATA_LOSS if the row is not one that encode_tile_row made for this rectangle and these
+// layers.
+core::Result<TileContent> decode_tile_row(const store::TileRow& row, const core::PixelRect& rect,
+                                          core::LayerSet layers = {});
 
 }  // namespace tessera::film

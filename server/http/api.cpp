@@ -27,7 +27,7 @@ core::Result<http::ServerOptions> server_options(const ApiOptions& options) {
   security.allow_unauthenticated = true;
   if (const auto possible = proto::server_credentials(options.address, security); !possible)
     return core::fail(possible.error().within("--http"));
-  http::ServerOptions server{.address = options.address};
+  http::ServerOptions server{.address = options.address, .socket = options.socket};
   if (security.certificate.empty()) return server;
   auto mine = common::read_certificate_and_key(security.certificate, security.key);
   if (!mine) return core::fail(mine.error());

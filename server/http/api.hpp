@@ -15,6 +15,7 @@ namespace tessera::http_api {
 
 struct ApiOptions {
   std::string address;  // HOST:PORT; port 0 picks a free one
+  int socket = -1;      // see http::ServerOptions
   // The same as for gRPC: without TLS, only this machine is served, unless it is insecure.
   proto::ServerSecurity security{};
 };

@@ -66,7 +66,9 @@ Answer get_pixel(const CallPtr& call) {
   if (!y) return core::fail(y.error());
   const auto source = source_of(call);
   if (!source) return core::fail(source.error());
-  const auto pixel = view::read_pixel(**source, *x, *y);
+  const auto layer = view::parse_layer(call->request.parameter("layer").value_or(""));
+  if (!layer) return core::fail(layer.error());
+  const auto pixel = view::read_pixel(**source, *x, *y, *layer);
   if (!pixel) return core::fail(pixel.error());
   return json_text_response(view::to_json(*pixel));
 }

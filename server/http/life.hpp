@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The life of a job, as far as the job itself tells it: the coordinator keeps no history. A pure function.
+// The events of a job's life, and what it does at present, in words. A pure function.
 #pragma once
 
 #include "server/http/answers.hpp"
@@ -7,7 +7,8 @@
 
 namespace tessera::http_api {
 
-// [{at, kind, message}], oldest first. `at` is null where the time is not known.
+// [{at, kind, message}], oldest first. The last one of a job that has not ended is its state, whose `at` is
+// null.
 Json life_of(const v1::Job& job);
 
 }  // namespace tessera::http_api

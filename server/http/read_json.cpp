@@ -95,6 +95,10 @@ TakeField name_of(FromName from_name, const char* choices, Set set) {
   };
 }
 
+core::Status read_layers(const std::string& field, const Json& value, v1::LayerSelection& layers) {
+  return list(text([&](const std::string& name) { layers.add_names(name); }))(field, value);
+}
+
 core::Status read_overrides(const std::string& field, const Json& value, v1::SubmitJobRequest& request) {
   v1::RenderOverrides& overrides = *request.mutable_overrides();
   v1::DisplayOverrides& display = *request.mutable_display();
@@ -110,6 +114,8 @@ core::Status read_overrides(const std::string& field, const Json& value, v1::Sub
                              [&](core::Heuristic one) { overrides.set_heuristic(proto::to_proto(one)); })},
        {"crop", [&](const std::string& name,
                     const Json& rect) { return read_crop(name, rect, *overrides.mutable_crop()); }},
+       {"layers", [&](const std::string& name,
+                      const Json& names) { return read_layers(name, names, *overrides.mutable_layers()); }},
        {"clamp_indirect", number([&](float most) { overrides.set_clamp_indirect(most); })},
        {"exposure", number([&](float stops) { display.set_exposure_stops(stops); })},
        {"tone_curve", name_of(core::tone_curve_from_name, "none, aces, agx",
@@ -290,6 +296,7 @@ core::Result<v1::GetImageRequest> read_image(const http::Request& request) {
   const auto index = read_image_index(request);
   if (!index) return core::fail(index.error());
   image.set_image(*index);
+  image.set_layer(request.parameter("layer").value_or(""));
   return image;
 }
 

@@ -66,6 +66,8 @@ Answer watch_tiles(const CallPtr& call) {
   if (!image) return core::fail(image.error());
   auto source = call->context.tiles.source(call->id(), *image);
   if (!source) return core::fail(source.error());
+  if (auto there = view::check_layer((*source)->layers(), query->layer); !there)
+    return core::fail(there.error());
   auto place = take_watch(*call);
   if (!place) return core::fail(place.error());
   http::Response response{.headers = {{"Content-Type", "application/octet-stream"},

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "proto/convert.hpp"
+#include "server/base/wall_clock.hpp"
 #include "server/farm/stored_job.hpp"
 #include "server/farm/wire.hpp"
 #include "server/jobs/admission.hpp"
@@ -90,7 +91,9 @@ std::optional<core::Result<v1::Job>> JobService::extend_in_memory(const v1::Exte
     const auto event = event_of(request, *record->spec);
     if (!event) return core::fail(event.error());
     if (auto may = may_extend(lock, *record, *event, limits_); !may) return core::fail(may.error());
+    const bool is_more = lock->scheduler.job({id}, lock.now())->shape.is_raised_by(event->spp, event->tiles);
     if (const auto done = lock.handle(*event).status; !done) return core::fail(done.error());
+    if (is_more) record->life.note(v1::JobEvent::KIND_EXTENDED, base::wall_clock_ms());
     lock.change(*record);
     return lock.snapshot_of(*record);
   }();
@@ -143,7 +146,12 @@ core::Result<bool> JobService::bring_back(store::JobRow row, JobState state,
   row.spp = shape.spp;
   row.targets = farm::encode_targets(shape.targets);
   row.state = farm::to_wire(state);
-  if (!farm::is_finished(state)) row.finished_ms.reset();
+  if (!farm::is_finished(state)) {
+    row.finished_ms.reset();
+    for (const auto kind : {v1::JobEvent::KIND_RESUMED, v1::JobEvent::KIND_EXTENDED})
+      record->life.note(kind, base::wall_clock_ms());
+    row.counters = farm::counters_with(record->life, row.counters);
+  }
   record->revision = record->stored_revision = record->last_event = row.revision;
   record->finished_ms = row.finished_ms;
 

@@ -27,12 +27,9 @@ IntervalSet set_of(const std::vector<core::SampleRange>& ranges) {
   return set;
 }
 
-std::size_t sum_count(const scheduler::JobGrid& grid, int tile) {
-  return core::rgb_layout().sums(grid.rect(tile).pixel_count());
-}
-
-core::Film::TileSums zeros(std::size_t sums) {
-  return {std::vector<std::uint64_t>(sums), std::vector<std::uint64_t>(sums), 0, 0};
+core::Film::TileSums zeros(const core::PixelRect& rect) {
+  const std::size_t sums = core::rgb_layout().sums(rect.pixel_count());
+  return {std::vector<std::uint64_t>(sums), std::vector<std::uint64_t>(sums), 0, 0, {}};
 }
 
 }  // namespace
@@ -51,7 +48,7 @@ core::Result<LoadedFilm> FilmReader::load(const v1::Job& spec) const {
   if (!done) return core::fail(done.error());
   const auto revisions = revisions_of(spec.id());
   if (!revisions) return core::fail(revisions.error());
-  LoadedFilm loaded{film::JobFilm::make(grid, memory_, revisions_), {}, {}, {}};
+  LoadedFilm loaded{film::JobFilm::make(grid, memory_, revisions_, farm::layers_of(spec)), {}, {}, {}};
   for (const auto& [tile, ranges] : *done) {
     if (tile < 0 || tile >= grid.tile_count()) continue;
     const auto known = revisions->find(tile);
@@ -72,7 +69,7 @@ core::Result<std::map<int, events::Revision>> FilmReader::revisions_of(const std
 core::Status FilmReader::load_tile(LoadedFilm& loaded, const v1::Job& spec, const store::TileChange& change,
                                    const std::vector<core::SampleRange>& done) const {
   const int tile = change.tile;
-  auto stored = film::read_stored_tile(store_, spec.id(), loaded.film->grid(), tile);
+  auto stored = film::read_stored_tile(store_, spec.id(), loaded.film->grid(), tile, loaded.film->layers());
   if (!stored) {
     if (stored.error().code != ErrorCode::kDataLoss) return core::fail(stored.error());
     loaded.damage.push_back(stored.error().message);
@@ -95,10 +92,10 @@ core::Status FilmReader::load_tile(LoadedFilm& loaded, const v1::Job& spec, cons
 
 core::Result<core::Film::TileSums> FilmReader::stored_sums(const v1::Job& spec, int tile) const {
   const scheduler::JobGrid grid = farm::grid_of(spec);
-  auto stored = film::read_stored_tile(store_, spec.id(), grid, tile);
+  auto stored = film::read_stored_tile(store_, spec.id(), grid, tile, farm::layers_of(spec));
   if (stored && stored->content.sums.samples > 0) return std::move(stored->content.sums);
   if (!stored && stored.error().code != ErrorCode::kNotFound) return core::fail(stored.error());
-  return zeros(sum_count(grid, tile));
+  return zeros(grid.rect(tile));
 }
 
 core::Result<core::Film::TileSums> FilmReader::sums(const v1::Job& spec, const film::JobFilm& film, int tile,
@@ -106,7 +103,7 @@ core::Result<core::Film::TileSums> FilmReader::sums(const v1::Job& spec, const f
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const film::TileSnapshot parts = film.snapshot(tile);
     if (revision != nullptr) *revision = parts.revision;
-    if (parts.stored.empty() && !parts.storing && !parts.newest) return zeros(sum_count(film.grid(), tile));
+    if (parts.stored.empty() && !parts.storing && !parts.newest) return zeros(film.grid().rect(tile));
     // Nothing is added to a part while it is shared, so a tile in memory as a whole is not copied.
     if (parts.stored.empty() && !parts.storing) return parts.newest->sums();
     const auto all = combine(spec, tile, parts);
@@ -119,10 +116,12 @@ core::Result<core::Film::TileSums> FilmReader::sums(const v1::Job& spec, const f
 core::Result<std::shared_ptr<TilePart>> FilmReader::combine(const v1::Job& spec, int tile,
                                                             const film::TileSnapshot& parts) const {
   const scheduler::JobGrid grid = farm::grid_of(spec);
-  auto all = std::make_shared<TilePart>(sum_count(grid, tile), memory_);
+  const core::LayerSet layers = farm::layers_of(spec);
+  auto all = std::make_shared<TilePart>(std::make_shared<const core::FilmLayout>(core::film_layout(layers)),
+                                        grid.rect(tile), memory_);
   IntervalSet in_store = parts.stored;
   if (!parts.stored.empty()) {
-    auto stored = film::read_stored_tile(store_, spec.id(), grid, tile);
+    auto stored = film::read_stored_tile(store_, spec.id(), grid, tile, layers);
     if (!stored) return core::fail(stored.error());
     const IntervalSet read = set_of(stored->row.done);
     IntervalSet with_storing = parts.stored;

@@ -22,30 +22,50 @@ core::Error with_advice(core::Error error, v1::JobState state) {
   return error;
 }
 
+// The tiles that a region touches, as a rectangle of pixels.
+core::PixelRect tiles_around(const core::TileGrid& grid, const core::PixelRect& region) {
+  const core::PixelRect first = grid.rect(grid.tile_at(region.x0, region.y0));
+  const core::PixelRect last = grid.rect(grid.tile_at(region.x1 - 1, region.y1 - 1));
+  return {first.x0, first.y0, last.x1, last.y1};
+}
+
 }  // namespace
 
-ImageRows::ImageRows(const FilmReader& films, ImageSource source, const core::PixelRect& region)
-    : films_(films), source_(std::move(source)), grid_(source_.shape.grid().of_image()), region_(region) {}
+core::Result<core::Film::TileSums> ImageTiles::sums(int tile) const {
+  const v1::Job& job = source_.job;
+  const scheduler::JobGrid all = source_.shape.grid();
+  const int of_job = all.first_tile(source_.image) + tile;
+  auto sums = source_.film ? films_.sums(job, *source_.film, of_job) : films_.stored_sums(job, of_job);
+  if (!sums) return core::fail(with_advice(sums.error(), job.state()));
+  if (job.state() == v1::JOB_STATE_DONE && sums->samples < source_.shape.target(of_job)) {
+    const std::string what =
+        fmt::format("{} of job {} lacks samples", scheduler::describe_tile(all, of_job), job.id());
+    return core::fail(with_advice({core::ErrorCode::kDataLoss, what}, job.state()));
+  }
+  return sums;
+}
 
 core::Result<const core::Rgb*> ImageRows::row(int y) {
-  const int y_of_window = region_.y0 + y - grid_.window().y0;
-  const int tile_row = y_of_window / grid_.tile_px();
+  const core::TileGrid& grid = tiles_.grid();
+  const int y_of_window = region_.y0 + y - grid.window().y0;
+  const int tile_row = y_of_window / grid.tile_px();
   if (tile_row_ != tile_row) {
     if (auto developed = develop(tile_row); !developed) return core::fail(developed.error());
   }
-  return &strip_.at(0, y_of_window % grid_.tile_px());
+  return &strip_.at(0, y_of_window % grid.tile_px());
 }
 
 core::Status ImageRows::develop(int tile_row) {
+  const core::TileGrid& grid = tiles_.grid();
   tile_row_.reset();
-  if (strip_.pixels.empty()) strip_ = core::Image(region_.width(), grid_.tile_px());
-  const int first = grid_.tile_at(region_.x0, region_.y0) % grid_.columns();
-  const int last = grid_.tile_at(region_.x1 - 1, region_.y0) % grid_.columns();
+  if (strip_.pixels.empty()) strip_ = core::Image(region_.width(), grid.tile_px());
+  const int first = grid.tile_at(region_.x0, region_.y0) % grid.columns();
+  const int last = grid.tile_at(region_.x1 - 1, region_.y0) % grid.columns();
   for (int column = first; column <= last; ++column) {
-    const int tile = tile_row * grid_.columns() + column;
+    const int tile = tile_row * grid.columns() + column;
     const auto pixels = develop_tile(tile);
     if (!pixels) return core::fail(pixels.error());
-    const core::PixelRect rect = grid_.rect(tile);
+    const core::PixelRect rect = grid.rect(tile);
     const int x0 = std::max(rect.x0, region_.x0), x1 = std::min(rect.x1, region_.x1);
     for (int y = 0; y < rect.height(); ++y)
       std::copy_n(&pixels->at(x0 - rect.x0, y), x1 - x0, &strip_.at(x0 - region_.x0, y));
@@ -55,19 +75,30 @@ core::Status ImageRows::develop(int tile_row) {
 }
 
 core::Result<core::Image> ImageRows::develop_tile(int tile) const {
-  const v1::Job& job = source_.job;
-  const scheduler::JobGrid all = source_.shape.grid();
-  const int of_job = all.first_tile(source_.image) + tile;
-  const auto sums = source_.film ? films_.sums(job, *source_.film, of_job) : films_.stored_sums(job, of_job);
-  if (!sums) return core::fail(with_advice(sums.error(), job.state()));
-  if (job.state() == v1::JOB_STATE_DONE && sums->samples < source_.shape.target(of_job)) {
-    const std::string what =
-        fmt::format("{} of job {} lacks samples", scheduler::describe_tile(all, of_job), job.id());
-    return core::fail(with_advice({core::ErrorCode::kDataLoss, what}, job.state()));
-  }
-  core::Film alone(core::TileGrid(grid_.rect(tile), grid_.tile_px()));
-  alone.restore(0, *sums);
+  const auto sums = tiles_.sums(tile);
+  if (!sums) return core::fail(sums.error());
+  const core::PixelRect rect = tiles_.grid().rect(tile);
+  if (layer_) return view::develop_layer(tiles_.layers(), *layer_, rect, *sums, 0);
+  core::Film alone(core::TileGrid(rect, tiles_.grid().tile_px()));
+  alone.restore(0, {sums->sums, sums->odd_sums, sums->samples, sums->odd_samples, {}});
   return alone.develop();
+}
+
+LayeredImageRows::LayeredImageRows(const FilmReader& films, ImageSource source, const core::PixelRect& region)
+    : tiles_(films, std::move(source)),
+      region_(region),
+      whole_tiles_(tiles_around(tiles_.grid(), region)),
+      rows_(core::TileGrid(whole_tiles_, tiles_.grid().tile_px()), tiles_.layers(), [this](int tile) {
+        const core::TileGrid& grid = tiles_.grid();
+        const core::PixelRect rect = core::TileGrid(whole_tiles_, grid.tile_px()).rect(tile);
+        return tiles_.sums(grid.tile_at(rect.x0, rect.y0));
+      }) {}
+
+core::Result<const float*> LayeredImageRows::row(int y) {
+  const auto row = rows_.row(region_.y0 - whole_tiles_.y0 + y);
+  if (!row) return core::fail(row.error());
+  const auto skipped = static_cast<std::size_t>(region_.x0 - whole_tiles_.x0);
+  return *row + skipped * channels().size();
 }
 
 }  // namespace tessera::jobs

@@ -6,8 +6,13 @@
 #include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <optional>
 #include <utility>
 
+#include "core/base/determinism_fingerprint.hpp"
+#include "core/base/version.hpp"
+#include "core/film/develop.hpp"
 #include "core/image/limits.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
@@ -71,13 +76,54 @@ class ScratchSink final : public core::ByteSink {
   base::ScratchFile& file_;
 };
 
-core::RowSource source_of(ImageRows& rows, const v1::GetImageRequest& request) {
-  core::RowSource source{rows.width(), rows.height(), [&](int y) { return rows.row(y); }};
-  if (!request.has_region()) return source;
-  const v1::RenderSettings& settings = rows.job().settings();
-  source.position = {static_cast<int>(request.region().x0()), static_cast<int>(request.region().y0()),
-                     static_cast<int>(settings.width_px()), static_cast<int>(settings.height_px())};
-  return source;
+// Where a part of the image lies in the whole.
+std::optional<core::ImagePosition> position_of(const core::PixelRect& region, const v1::Job& job) {
+  const auto width = static_cast<int>(job.settings().width_px());
+  const auto height = static_cast<int>(job.settings().height_px());
+  if (region == core::PixelRect{0, 0, width, height}) return std::nullopt;
+  return core::ImagePosition{region.x0, region.y0, width, height};
+}
+
+// That of the file that a local render writes; only of an image with layers.
+std::optional<core::RenderRecord> record_of(const farm::JobSnapshot& snapshot, const v1::Job& job,
+                                            int image) {
+  const auto settings = proto::from_proto(job.settings());
+  const v1::Job& spec = *snapshot.spec;
+  if (!settings || settings->layers.empty()) return std::nullopt;
+  const std::string fingerprint =
+      snapshot.arithmetic.empty() ? std::string(core::kDeterminismFingerprint) : snapshot.arithmetic;
+  return core::RenderRecord{.version = std::string(core::version()),
+                            .fingerprint = fingerprint,
+                            .scene = image < spec.scene_digests_size() ? spec.scene_digests(image) : "",
+                            .settings = *settings,
+                            .frame = image < spec.images_size() ? spec.images(image).frame() : 0,
+                            .complete = farm::has_all_samples(snapshot)};
+}
+
+// A part of the image is what a render of this crop window writes.
+core::TextAttributes attributes_of(const ImageSource& source, const core::PixelRect& region) {
+  if (!source.record) return {};
+  core::RenderRecord record = *source.record;
+  record.settings.crop = region;
+  core::TextAttributes attributes = core::attributes_of(record);
+  attributes.insert(attributes.end(), source.attributes.begin(), source.attributes.end());
+  return attributes;
+}
+
+// What of an image is written: a layer, or the beauty with all layers, or alone.
+struct Content {
+  view::ShownLayer layer;
+  core::LayerSet layers;
+};
+
+core::Result<Content> content_of(const v1::GetImageRequest& request, const v1::Job& job) {
+  if (auto known = check_channels(request.channels()); !known) return core::fail(known.error());
+  const auto layer = view::parse_layer(request.layer());
+  if (!layer) return core::fail(layer.error());
+  const core::LayerSet layers = farm::layers_of(job);
+  if (auto there = view::check_layer(layers, *layer); !there) return core::fail(there.error());
+  const bool is_beauty_alone = *layer || !request.channels().empty();
+  return Content{*layer, is_beauty_alone ? core::LayerSet() : layers};
 }
 
 }  // namespace
@@ -87,8 +133,13 @@ core::Result<ImageSource> Images::find(const std::string& id, std::uint32_t imag
   if (!found) return core::fail(found.error());
   if (auto there = check_image(found->snapshot.view.shape, image); !there) return core::fail(there.error());
   if (found->film) found->film->apply();
-  return ImageSource{summarise(found->snapshot), found->snapshot.view.shape, found->film,
-                     static_cast<int>(image)};
+  v1::Job job = summarise(found->snapshot);
+  auto record = record_of(found->snapshot, job, static_cast<int>(image));
+  core::TextAttributes attributes;
+  for (const v1::TextAttribute& each : found->snapshot.spec->attributes())
+    attributes.emplace_back(each.name(), each.value());
+  return ImageSource{std::move(job),          found->snapshot.view.shape, found->film,
+                     static_cast<int>(image), std::move(record),          std::move(attributes)};
 }
 
 template <typename Made>
@@ -130,9 +181,10 @@ core::Result<ImageFile> Images::write(const v1::GetImageRequest& request) {
 core::Result<ImageFile> Images::write_once(const v1::GetImageRequest& request) {
   const auto format = format_of(request.format());
   if (!format) return core::fail(format.error());
-  if (auto known = check_channels(request.channels()); !known) return core::fail(known.error());
   auto source = find(request.job_id(), request.image());
   if (!source) return core::fail(source.error());
+  const auto content = content_of(request, source->job);
+  if (!content) return core::fail(content.error());
   const auto region = region_of(request, source->job);
   if (!region) return core::fail(region.error());
   const auto display = proto::resolve_display(source->job.display(), request.display());
@@ -140,8 +192,19 @@ core::Result<ImageFile> Images::write_once(const v1::GetImageRequest& request) {
   auto file = base::ScratchFile::make(folder_);
   if (!file) return core::fail(file.error());
   ScratchSink sink(*file);
-  ImageRows rows(films_, *source, *region);
-  const auto size = core::write_image(source_of(rows, request), *format, *display, sink);
+  const auto position = position_of(*region, source->job);
+  core::Result<std::uint64_t> size = std::uint64_t{0};
+  if (content->layers.empty()) {
+    ImageRows rows(films_, *source, *region, content->layer);
+    size = core::write_image({rows.width(), rows.height(), [&](int y) { return rows.row(y); }, position},
+                             *format, *display, sink);
+  } else {
+    LayeredImageRows rows(films_, *source, *region);
+    size =
+        core::write_channels({region->width(), region->height(), rows.channels(),
+                              [&](int y) { return rows.row(y); }, position, attributes_of(*source, *region)},
+                             *format, *display, sink);
+  }
   if (!size) return core::fail(size.error());
   return ImageFile{std::move(source->job), *std::move(file), *size};
 }
@@ -151,13 +214,16 @@ core::Result<std::uint64_t> Images::bytes_to_write(const v1::GetImageRequest& re
   if (!format) return core::fail(format.error());
   const auto found = find_with_image(farm_, store_, request.job_id());
   if (!found) return core::fail(found.error());
-  if (auto known = check_channels(request.channels()); !known) return core::fail(known.error());
+  const auto content = content_of(request, *found->snapshot.spec);
+  if (!content) return core::fail(content.error());
   if (auto there = check_image(found->snapshot.view.shape, request.image()); !there)
     return core::fail(there.error());
   const auto region = region_of(request, *found->snapshot.spec);
   if (!region) return core::fail(region.error());
   const auto width = static_cast<std::uint64_t>(region->width());
-  return core::encoding_bytes(width) + ImageRows::bytes(width);
+  if (content->layers.empty()) return core::encoding_bytes(width) + ImageRows::bytes(width);
+  const std::size_t channels = core::image_channels(content->layers).size();
+  return core::encoding_bytes(width * (channels + 2) / 3) + LayeredImageRows::bytes(width, channels);
 }
 
 }  // namespace tessera::jobs

@@ -41,8 +41,8 @@ class Images {
   // show different moments; those of a done job are all complete.
   core::Result<JobImage> get(const std::string& id, int image = 0);
   // The file that is asked for, written some rows at a time: the image need not fit into memory. The file is
-  // on disk. INVALID_ARGUMENT: an unknown format, image or channel, impossible output settings, or a region
-  // that is not within the image.
+  // on disk. INVALID_ARGUMENT: an unknown format, image, channel or layer, impossible output settings, or a
+  // region that is not within the image.
   core::Result<ImageFile> write(const v1::GetImageRequest& request);
   // The memory that write() takes at most. Errors are those of write().
   core::Result<std::uint64_t> bytes_to_write(const v1::GetImageRequest& request);

@@ -32,6 +32,9 @@ struct CheckedScene {
   v1::RenderSettings settings;  // overrides applied
   v1::DisplaySettings display;
   std::vector<std::string> warnings{};
+  // Of a scene with layers: see tessera.v1.Job.
+  std::vector<std::string> scene_digests{};
+  std::vector<v1::TextAttribute> attributes{};
 };
 
 // Loads and validates a scene, at these frames, whose blobs are all in the store. May block. UNAVAILABLE

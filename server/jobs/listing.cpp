@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <memory>
 #include <utility>
 
 #include "server/farm/wire.hpp"
@@ -101,7 +102,11 @@ core::Result<std::optional<std::int64_t>> JobService::list_some(const JobQuery& 
     ++rows;
     last = number;
     // A job whose id is no text cannot be shown.
-    if (farm::is_text(row.id)) listed.push_back({farm::snapshot_of_row(row), row.settled, number});
+    if (!farm::is_text(row.id)) return;
+    JobSnapshot job = farm::snapshot_of_row(row);
+    // A page of specs could take gigabytes: those of images with layers have manifests.
+    job.spec = std::make_shared<const v1::Job>(farm::summarise_spec(*job.spec));
+    listed.push_back({std::move(job), row.settled, number});
   });
   if (!read) return core::fail(read.error());
   for (ListedJob& each : listed) {

@@ -20,6 +20,11 @@ TakenTile* TileBatch::take(const FilmOfJob& film, int tile) {
   return &taken_.emplace_back(TakenTile{film.film, tile, *std::move(to_store)});
 }
 
+void TileBatch::add_row(store::TileRow row) {
+  row_bytes_ += row.content.size();
+  rows_.push_back(std::move(row));
+}
+
 void TileBatch::give_back_last() noexcept {
   const TakenTile& last = taken_.back();
   last.film->not_stored(last.tile, last.to_store);
@@ -31,6 +36,7 @@ void TileBatch::note_stored() {
     each.film->stored(each.tile, std::move(each.to_store), std::move(each.whole));
   taken_.clear();
   rows_.clear();
+  row_bytes_ = 0;
 }
 
 }  // namespace tessera::jobs

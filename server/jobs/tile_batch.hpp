@@ -54,13 +54,13 @@ class TileBatch {
   TileBatch& operator=(const TileBatch&) = delete;
 
   bool is_empty() const { return taken_.empty(); }
-  bool is_full() const { return taken_.size() == film::kTilesPerBatch; }
+  bool is_full() const { return taken_.size() == film::kTilesPerBatch || row_bytes_ >= film::kBytesPerBatch; }
   const std::vector<store::TileRow>& rows() const { return rows_; }
 
   // Takes a tile; the batch must not be full. Null if the tile is stored already. Then its row must be added,
   // or the tile given back.
   TakenTile* take(const FilmOfJob& film, int tile);
-  void add_row(store::TileRow row) { rows_.push_back(std::move(row)); }
+  void add_row(store::TileRow row);
   void give_back_last() noexcept;
   // The store has all rows. Empties the batch.
   void note_stored();
@@ -68,6 +68,7 @@ class TileBatch {
  private:
   std::vector<TakenTile> taken_;
   std::vector<store::TileRow> rows_;
+  std::size_t row_bytes_ = 0;
 };
 
 }  // namespace tessera::jobs

@@ -122,6 +122,8 @@ core::Result<v1::Job> JobService::check_scene(const Validation& task) {
   *spec.mutable_settings() = std::move(scene->settings);
   *spec.mutable_display() = proto::to_proto(*display);
   spec.mutable_warnings()->Assign(scene->warnings.begin(), scene->warnings.end());
+  spec.mutable_scene_digests()->Assign(scene->scene_digests.begin(), scene->scene_digests.end());
+  spec.mutable_attributes()->Assign(scene->attributes.begin(), scene->attributes.end());
   if (auto room = check_film_memory(farm::shape_of(spec, spec.settings().spp()), film_memory_); !room)
     return core::fail(room.error());
   return spec;
@@ -193,8 +195,10 @@ core::Status JobService::start(v1::Job spec) {
     if (job == nullptr) return {};  // cancelled or deleted meanwhile
     record.request_id = job->request_id;
   }
+  record.life.note(v1::JobEvent::KIND_VALIDATED, base::wall_clock_ms());
   record.revision = farm_.events().counter().next();
-  record.film = film::JobFilm::make(event.shape.grid(), film_memory_, farm_.events().counter());
+  record.film = film::JobFilm::make(event.shape.grid(), film_memory_, farm_.events().counter(),
+                                    farm::layers_of(*record.spec));
   if (auto stored =
           state_.jobs.end_validation(farm::to_row(about_to_be(JobState::kRunning, event.shape, {}, record)));
       !stored)
@@ -230,6 +234,7 @@ std::optional<core::Result<JobSnapshot>> JobService::end_unvalidated(const std::
   record.revision = farm_.events().counter().next();
   record.is_validated = false;
   record.finished_ms = base::wall_clock_ms();
+  record.life.note(farm::event_of(state), *record.finished_ms);
   const scheduler::RestoreJob event{{id},
                                     kNoShape,
                                     record.spec->priority(),

@@ -14,6 +14,7 @@ common::MetricFamilies collect(server::Coordinator& coordinator, const rpc::Serv
   common::MetricWriter writer;
   const farm::Totals totals = farm::totals_of(coordinator.farm());
   write_jobs(writer, totals);
+  write_first_samples(writer, coordinator.farm());
   write_workers(writer, totals);
   write_results(writer, totals, coordinator.dispatcher().result_counts());
   write_state_lock(writer, coordinator.farm());

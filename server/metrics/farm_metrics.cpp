@@ -89,4 +89,10 @@ void write_state_lock(common::MetricWriter& writer, const farm::Farm& farm) {
   writer.add(to_prometheus(farm.lock_holds()));
 }
 
+void write_first_samples(common::MetricWriter& writer, const farm::Farm& farm) {
+  writer.begin_histogram("tessera_first_samples_seconds",
+                         "Time from the submission of a job until its first samples were counted");
+  writer.add(to_prometheus(farm.first_samples()));
+}
+
 }  // namespace tessera::metrics

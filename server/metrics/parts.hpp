@@ -14,6 +14,7 @@ void write_jobs(common::MetricWriter& writer, const farm::Totals& totals);
 void write_workers(common::MetricWriter& writer, const farm::Totals& totals);
 void write_results(common::MetricWriter& writer, const farm::Totals& totals,
                    const dispatch::ResultCounts& counts);
+void write_first_samples(common::MetricWriter& writer, const farm::Farm& farm);
 void write_state_lock(common::MetricWriter& writer, const farm::Farm& farm);
 
 // ---- The service (service_metrics.cpp) ----

@@ -127,6 +127,15 @@ int listen_at_each(const addrinfo* entries, std::chrono::milliseconds unacknowle
 
 }  // namespace
 
+ListeningSockets adopt(std::vector<Fd> sockets, std::chrono::milliseconds unacknowledged) {
+  for (const Fd& socket : sockets) {
+    set_option(socket, IPPROTO_TCP, TCP_NODELAY, 1);
+    set_option(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, static_cast<int>(unacknowledged.count()));
+  }
+  const int port = port_of(sockets.front());
+  return {std::move(sockets), port};
+}
+
 core::Result<ListeningSockets> listen_on(const std::string& address,
                                          std::chrono::milliseconds unacknowledged) {
   const auto at = parse(address);

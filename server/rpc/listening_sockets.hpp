@@ -23,4 +23,7 @@ struct ListeningSockets {
 core::Result<ListeningSockets> listen_on(const std::string& address,
                                          std::chrono::milliseconds unacknowledged);
 
+// Takes over sockets that listen already, at least one. They get the same options.
+ListeningSockets adopt(std::vector<base::Fd> sockets, std::chrono::milliseconds unacknowledged);
+
 }  // namespace tessera::rpc

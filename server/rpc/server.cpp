@@ -243,7 +243,10 @@ core::Result<std::unique_ptr<Server>> Server::start(Coordinator& coordinator, Se
   if (!credentials) return core::fail(credentials.error());
   // Reflection parses messages before callers are authenticated.
   const bool with_reflection = options.access.is_open() || !options.security.client_ca.empty();
-  auto listening = listen_on(address, options.patience.answer);
+  auto listening =
+      options.sockets.empty()
+          ? listen_on(address, options.patience.answer)
+          : core::Result<ListeningSockets>(adopt(std::move(options.sockets), options.patience.answer));
   if (!listening) return core::fail(listening.error());
   auto listener = Listener::make(std::move(*listening), connection_slots(options.limits));
   if (!listener) return core::fail(listener.error());

@@ -10,6 +10,7 @@
 #include "proto/channel.hpp"
 #include "proto/security.hpp"
 #include "server/auth/access.hpp"
+#include "server/base/file.hpp"
 #include "server/coordinator.hpp"
 #include "server/jobs/retirement.hpp"
 #include "server/limits.hpp"
@@ -20,6 +21,8 @@ namespace tessera::rpc {
 
 struct ServerOptions {
   std::string address;  // HOST:PORT to listen at; port 0 picks a free one
+  // Sockets that listen already, the first of them at `address`. Empty: new ones.
+  std::vector<base::Fd> sockets{};
   proto::ServerSecurity security{};
   auth::Access access{};
   server::Limits limits{};

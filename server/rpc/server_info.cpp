@@ -11,10 +11,10 @@ namespace tessera::rpc {
 namespace {
 
 // docs/protocol.md describes each.
-constexpr std::array<std::string_view, 13> kFeatures{
-    "admin-service", "batch-upload", "error-details",    "image-region", "images",
-    "job-labels",    "job-pages",    "resumable-upload", "tile-targets", "validating-state",
-    "watch-farm",    "watch-tiles",  "worker-pages"};
+constexpr std::array<std::string_view, 15> kFeatures{
+    "admin-service", "batch-upload",     "error-details", "image-region", "images",
+    "job-events",    "job-labels",       "job-pages",     "layers",       "resumable-upload",
+    "tile-targets",  "validating-state", "watch-farm",    "watch-tiles",  "worker-pages"};
 
 }  // namespace
 

@@ -48,6 +48,9 @@ core::Result<WatchStream::Step> WatchTilesCall::next() {
   if (auto known = jobs::check_channels(request_.channels()); !known) return core::fail(known.error());
   watch::TileQuery query{request_.job_id(), since_,          request_.format(), {},
                          kTileBytesAtOnce,  request_.image()};
+  const auto layer = view::parse_layer(request_.layer());
+  if (!layer) return core::fail(layer.error());
+  query.layer = *layer;
   if (request_.has_region()) {
     const auto region = proto::from_proto(request_.region());
     if (!region) return core::fail(region.error());

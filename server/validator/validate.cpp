@@ -10,11 +10,15 @@
 #include <utility>
 #include <vector>
 
+#include "core/film/cryptomatte.hpp"
+#include "core/scene/cache/scene_digest.hpp"
 #include "core/scene/loader/loader.hpp"
 #include "core/scene/pose.hpp"
+#include "core/scene/scene_ids.hpp"
 #include "core/scene/validation.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
+#include "server/validator/answer_limits.hpp"
 #include "server/validator/flags.hpp"
 
 namespace tessera::validator {
@@ -39,6 +43,22 @@ core::Error explain_memory(core::Error error, const Options& options) {
   return error;
 }
 
+core::Status add_attributes(const core::SceneDescription& scene, core::LayerSet layers,
+                            ValidateResponse::Approval& approval) {
+  std::size_t bytes = 0;
+  for (auto& [name, value] : core::crypto_attributes(layers, core::crypto_names(scene))) {
+    bytes += name.size() + value.size();
+    v1::TextAttribute& attribute = *approval.add_attributes();
+    attribute.set_name(std::move(name));
+    attribute.set_value(std::move(value));
+  }
+  if (bytes <= kMaxAttributeBytes) return {};
+  return core::fail(ErrorCode::kResourceExhausted,
+                    fmt::format("layers: the names for Cryptomatte take {} bytes, and a farm keeps {} of a "
+                                "job: leave out the crypto layers",
+                                bytes, kMaxAttributeBytes));
+}
+
 core::Result<ValidateResponse::Approval> load(const ValidateRequest& request, core::AssetSource& assets,
                                               const Options& options) {
   const std::string& path = request.bundle().scene_path();
@@ -56,6 +76,12 @@ core::Result<ValidateResponse::Approval> load(const ValidateRequest& request, co
   *approval.mutable_settings() = proto::to_proto(*settings);
   *approval.mutable_display() = proto::to_proto(scene->display);
   for (const std::string& warning : scene->warnings) approval.add_warnings(warning);
+  if (settings->layers.empty()) return approval;
+  const core::SceneDigest digest = core::digest_of(*scene);
+  for (const std::int32_t frame : frames.empty() ? std::vector<std::int32_t>{0} : frames)
+    approval.add_scene_digests(core::digest_text(core::digest_at_frame(digest, scene->animation, frame)));
+  if (auto added = add_attributes(*scene, settings->layers, approval); !added)
+    return core::fail(added.error().within(path));
   return approval;
 }
 

@@ -11,6 +11,7 @@
 #include "core/sandbox/memory_file.hpp"
 #include "core/sandbox/process.hpp"
 #include "proto/blob.hpp"
+#include "server/validator/answer_limits.hpp"
 #include "server/validator/flags.hpp"
 #include "server/validator/validate.pb.h"
 
@@ -21,7 +22,6 @@ using core::ErrorCode;
 namespace {
 
 constexpr const char* kName = "tessera-validator";
-constexpr std::size_t kMaxResponseBytes = 1 << 20;
 
 ValidateRequest make_request(const SceneToValidate& scene) {
   ValidateRequest request;
@@ -77,10 +77,20 @@ core::Error takes_too_long(const server::Limits& limits) {
                   processor_time(limits).count(), kSecondsFlag)};
 }
 
-Approval bounded(const ValidateResponse::Approval& said) {
-  Approval approval{said.settings(), said.display(), {}};
+// `images`: how many the job has.
+Approval bounded(const ValidateResponse::Approval& said, int images) {
+  Approval approval{said.settings(), said.display(), {}, {}, {}};
   for (int i = 0; i < std::min(said.warnings_size(), kMaxWarnings); ++i)
     approval.warnings.push_back(core::printable(said.warnings(i).substr(0, kMaxWarningBytes)));
+  for (int i = 0; i < std::min(said.scene_digests_size(), images); ++i)
+    approval.scene_digests.push_back(core::printable(said.scene_digests(i).substr(0, kMaxDigestBytes)));
+  std::size_t bytes = 0;
+  for (const v1::TextAttribute& attribute : said.attributes()) {
+    if (!attribute.name().starts_with(kAttributePrefix)) continue;
+    bytes += attribute.name().size() + attribute.value().size();
+    if (bytes > kMaxAttributeBytes || approval.attributes.size() == kMaxAttributes) break;
+    approval.attributes.push_back(attribute);
+  }
   return approval;
 }
 
@@ -92,13 +102,13 @@ core::Error as_error(const ValidateResponse::Refusal& said) {
 }
 
 core::Result<Approval> read_verdict(const core::OpenFile& out, const sandbox::Ending& ending,
-                                    const server::Limits& limits) {
+                                    const server::Limits& limits, int images) {
   if (ending.by_signal(SIGXCPU)) return core::fail(takes_too_long(limits));
   const auto content = sandbox::read_memory_file(out, kMaxResponseBytes);
   if (!content) return core::fail(content.error());
   ValidateResponse response;
   const bool answered = ending.succeeded() && response.ParseFromString(*content);
-  if (answered && response.has_approval()) return bounded(response.approval());
+  if (answered && response.has_approval()) return bounded(response.approval(), images);
   if (answered && response.has_refusal()) return core::fail(as_error(response.refusal()));
   return core::fail(
       ErrorCode::kInvalidArgument,
@@ -131,7 +141,8 @@ core::Result<Approval> validate_scene(const ProcessOptions& options, const blobs
   if (!ending) return core::fail(ending.error());
   if (ending->cause == sandbox::Ending::Cause::kStopRequest) return core::fail(stopping());
   if (ending->cause == sandbox::Ending::Cause::kTimeout) return core::fail(takes_too_long(options.limits));
-  return read_verdict(*out, *ending, options.limits);
+  const auto images = static_cast<int>(std::max<std::size_t>(scene.frames.size(), 1));
+  return read_verdict(*out, *ending, options.limits, images);
 }
 
 }  // namespace tessera::validator

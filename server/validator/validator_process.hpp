@@ -35,6 +35,9 @@ struct Approval {
   v1::RenderSettings settings;        // overrides applied
   v1::DisplaySettings display;        // of the scene file
   std::vector<std::string> warnings;  // at most kMaxWarnings, each cut to kMaxWarningBytes
+  // Of a scene with layers: see tessera.v1.Job.
+  std::vector<std::string> scene_digests{};
+  std::vector<v1::TextAttribute> attributes{};
 };
 
 // The executable beside this process's own.

@@ -53,7 +53,7 @@ core::Result<std::vector<view::TileChange>> JobTiles::changes_since(const JobLoo
 }
 
 core::Result<view::TileAtRevision> JobTiles::read(const JobLook& look, const view::TileChange& change) const {
-  view::TileAtRevision tile{{}, change.revision};
+  view::TileAtRevision tile{{}, change.revision, farm::layers_of(look.job)};
   const int of_all = of_job(look, change.tile);
   auto sums = look.film ? films_.sums(look.job, *look.film, of_all, &tile.revision)
                         : films_.stored_sums(look.job, of_all);
@@ -82,6 +82,11 @@ std::optional<core::TileGrid> JobTiles::grid() {
   const auto now = look();
   if (!now || (*now)->job.samples_total() == 0) return std::nullopt;
   return (*now)->shape.grid().of_image();
+}
+
+core::LayerSet JobTiles::layers() {
+  const auto now = look();
+  return now ? farm::layers_of((*now)->job) : core::LayerSet();
 }
 
 core::Result<std::vector<view::TileChange>> JobTiles::changes_since(view::Revision since, std::size_t most) {

@@ -49,6 +49,7 @@ class JobTiles final : public view::TileSource {
   std::string id() const override;
   core::Result<view::JobHeader> header() override;
   std::optional<core::TileGrid> grid() override;
+  core::LayerSet layers() override;
   core::Result<std::vector<view::TileChange>> changes_since(view::Revision since, std::size_t most) override;
   core::Result<view::TileAtRevision> read(const view::TileChange& change) override;
   bool is_over() override;

@@ -38,7 +38,7 @@ core::Result<std::shared_ptr<const view::EncodedTile>> TileFeed::encoded(const T
                                                                          const JobTiles& source,
                                                                          const JobLook& look,
                                                                          const view::TileChange& change) {
-  return images_.get({source.id(), change.tile, *pixel_format(query.format)}, change.revision,
+  return images_.get({source.id(), change.tile, *pixel_format(query.format), 0, query.layer}, change.revision,
                      look.shape.grid().rect(change.tile), [&] { return source.read(look, change); });
 }
 
@@ -51,6 +51,8 @@ core::Result<TileUpdate> TileFeed::update(const TileQuery& query) {
     return core::fail(core::ErrorCode::kInvalidArgument, "format: must be one of TileFormat");
   if (!has_image(look.job)) return TileUpdate{look.job, {}, query.since, true};
   if (auto there = jobs::check_image(look.shape, query.image); !there) return core::fail(there.error());
+  if (auto there = view::check_layer(farm::layers_of(look.job), query.layer); !there)
+    return core::fail(there.error());
   const core::TileGrid grid = look.shape.grid().of_image();
   if (auto valid = check_region(query, grid.window()); !valid) return core::fail(valid.error());
   TileUpdate update{look.job, {}, query.since, false};

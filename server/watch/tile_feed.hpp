@@ -28,6 +28,7 @@ struct TileQuery {
   // Tiles are added up to this size, and one at least.
   std::size_t max_bytes = 0;
   std::uint32_t image = 0;
+  view::ShownLayer layer{};
 };
 
 struct TileUpdate {
@@ -50,7 +51,7 @@ class TileFeed {
   }
 
   // INVALID_ARGUMENT: the format is unknown, the region is not within the pixels of the job, or the job has
-  // no such image.
+  // no such image or layer.
   core::Result<TileUpdate> update(const TileQuery& query);
 
   // Those of all jobs, for others who send tiles, too.

@@ -47,6 +47,14 @@ TEST(Json, AJobHasNamesOfSceneFilesAndNumbers) {
     EXPECT_TRUE(json.at(absent).is_null()) << absent;
   EXPECT_TRUE(json["labels"].is_object());
   EXPECT_FALSE(json.contains("files")) << "a list has no bundles";
+  EXPECT_FALSE(json.contains("events"));
+}
+
+TEST(Json, AJobTellsWhatHasHappenedToIt) {
+  v1::Job job = running_job();
+  job.add_events()->set_kind(v1::JobEvent::KIND_STARTED);
+  job.mutable_events(0)->mutable_at()->set_seconds(1'700'000'000);
+  EXPECT_EQ(to_json(job)["events"].dump(), R"([{"at":"2023-11-14T22:13:20Z","kind":"started"}])");
 }
 
 TEST(Json, AJobListsItsImages) {

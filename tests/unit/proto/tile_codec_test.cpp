@@ -10,6 +10,7 @@
 #include <string>
 
 #include "proto/tile_planes.hpp"
+#include "tests/support/layered_tile.hpp"
 
 namespace tessera::proto {
 namespace {
@@ -49,11 +50,50 @@ std::string in_a_row(const core::FilmTile& tile) {
   return raw;
 }
 
+core::FilmTile tile_with_layers(core::LayerSet layers) {
+  core::FilmTile tile = some_tile({64, 0, 128, 37}, {3, 8}, 1);
+  tile.layers = layers;
+  test::add_made_up_planes(tile);
+  return tile;
+}
+
 void expect_refused(const v1::RenderedItem& message, const std::string& reason) {
   const auto tile = decode_tile(message);
   ASSERT_FALSE(tile.has_value());
   EXPECT_EQ(tile.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(tile.error().message, HasSubstr(reason));
+}
+
+TEST(TileCodec, GivesBackThePlanesOfLayers) {
+  for (const core::LayerSet layers :
+       {core::kAllLayers, core::LayerSet{}.with(core::Layer::kSamples),
+        core::LayerSet{}.with(core::Layer::kCryptoAsset).with(core::Layer::kDepth)}) {
+    const core::FilmTile tile = tile_with_layers(layers);
+    const v1::RenderedItem message = encode_tile(tile);
+    const auto back = decode_tile(message, layers);
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->planes, tile.planes);
+    EXPECT_EQ(back->layers, layers);
+    EXPECT_EQ(back->sums, tile.sums);
+    std::uint64_t words = 2 * tile.sums.size();
+    for (const core::Plane& plane : tile.planes) words += plane.size();
+    EXPECT_EQ(claimed_bytes(message), 8 * words);
+    if (tile.planes.empty()) continue;
+    EXPECT_FALSE(decode_tile(message)) << "of a job without layers";
+    EXPECT_FALSE(decode_tile(some_message(), layers));
+  }
+}
+
+TEST(TileCodec, APlaneIsOfTheTile) {
+  const core::LayerSet layers = core::LayerSet{}.with(core::Layer::kDepth).with(core::Layer::kCryptoObject);
+  const v1::RenderedItem message = encode_tile(tile_with_layers(layers));
+  for (const std::uint32_t words : {1U, 64U * 37U - 1, 64U * 37U * 2 * 5 + 2, 0xffffffffU}) {
+    for (int plane = 0; plane < 2; ++plane) {
+      v1::RenderedItem wrong = message;
+      wrong.set_plane_words(plane, words);
+      EXPECT_FALSE(decode_tile(wrong, layers)) << plane << ' ' << words;
+    }
+  }
 }
 
 // Receivers refuse so many sums, but encoding them must not write beyond the buffer.

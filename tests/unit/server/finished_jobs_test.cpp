@@ -63,6 +63,7 @@ TEST_F(FinishedJobs, AreToldAsBeforeTheyLeftTheMemory) {
   EXPECT_EQ(after.samples_done(), kSamples);
   // What a job in memory has besides.
   *before.mutable_finished_at() = after.finished_at();
+  *before.add_events() = *after.events().rbegin();
   before.set_state(after.state());
   before.set_samples_per_second(0);
   EXPECT_GT(after.revision(), before.revision());

@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 #include <zstd.h>
 
+#include <optional>
+
 #include "proto/convert.hpp"
 #include "proto/tile_codec.hpp"
 #include "proto/tile_planes.hpp"
 #include "server/film/tile_row.hpp"
+#include "tests/support/layered_tile.hpp"
 
 namespace tessera::server {
 namespace {
@@ -32,6 +35,10 @@ film::TileContent content() {
   return tile;
 }
 
+std::optional<ErrorCode> code_of(const core::Result<film::TileContent>& read) {
+  return read ? std::nullopt : std::optional(read.error().code);
+}
+
 std::string frame_of_sums_in_a_row(const film::TileContent& tile) {
   std::vector<std::uint64_t> raw = tile.sums.sums;
   raw.insert(raw.end(), tile.sums.odd_sums.begin(), tile.sums.odd_sums.end());
@@ -48,6 +55,24 @@ TEST(TileRow, GivesBackWhatWasPutIn) {
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->sums, content().sums);
   EXPECT_EQ(read->counters, content().counters);
+}
+
+TEST(TileRow, HasThePlanesOfLayers) {
+  core::FilmTile samples(kRect, {0, 7}, core::kAllLayers);
+  test::add_made_up_planes(samples);
+  film::TileContent tile = content();
+  tile.sums.planes = samples.planes;
+  const store::TileRow row = film::encode_tile_row("job", 5, kRect, kDone, tile);
+  const auto read = film::decode_tile_row(row, kRect, core::kAllLayers);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->sums, tile.sums);
+  EXPECT_EQ(code_of(film::decode_tile_row(row, kRect)), ErrorCode::kDataLoss);
+  const store::TileRow without = film::encode_tile_row("job", 5, kRect, kDone, content());
+  EXPECT_EQ(code_of(film::decode_tile_row(without, kRect, core::kAllLayers)), ErrorCode::kDataLoss);
+  tile.sums.planes[0] = {1, 2, 3};
+  EXPECT_EQ(code_of(film::decode_tile_row(film::encode_tile_row("job", 5, kRect, kDone, tile), kRect,
+                                          core::kAllLayers)),
+            ErrorCode::kDataLoss);
 }
 
 TEST(TileRow, ReadsWhatEarlierReleasesWrote) {
@@ -93,9 +118,6 @@ TEST(TileRow, CanBeOfNoSamplesAtAll) {
 
 TEST(TileRow, RefusesWhatIsNotOfTheTile) {
   const store::TileRow row = film::encode_tile_row("job", 5, kRect, kDone, content());
-  const auto code_of = [](const core::Result<film::TileContent>& read) {
-    return read ? std::nullopt : std::optional(read.error().code);
-  };
   store::TileRow more = row;
   more.done.push_back({20, 21});
   EXPECT_EQ(code_of(film::decode_tile_row(more, kRect)), ErrorCode::kDataLoss);

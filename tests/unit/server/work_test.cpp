@@ -3,8 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <functional>
+#include <limits>
+#include <numeric>
 
+#include "proto/state_text.hpp"
+#include "server/farm/job_life.hpp"
 #include "tests/unit/server/scripted_farm.hpp"
 
 namespace tessera::server {
@@ -41,6 +46,18 @@ class Work : public ScriptedFarm {
     const v1::SynchronizeResponse answer = synchronize(request);
     return answer.leases_size() > 0 && answer.leases(0).id() == lease.id();
   }
+  // The kinds of what has happened to a job.
+  std::string events_of(const std::string& id) {
+    std::string names;
+    std::int64_t last = 0;
+    const v1::Job described = job(id);
+    for (const v1::JobEvent& event : described.events()) {
+      EXPECT_GE(event.at().seconds(), last);
+      last = event.at().seconds();
+      names += (names.empty() ? "" : " ") + proto::event_name(event.kind());
+    }
+    return names;
+  }
   // The report of a worker that holds the lease and renders this item of it.
   v1::SynchronizeRequest rendering(char worker, const v1::Lease& lease, int item) {
     v1::SynchronizeRequest request = greeting(worker);
@@ -66,6 +83,58 @@ TEST_F(Work, AFarmComesToTheLocalPicture) {
   EXPECT_TRUE(done.has_finished_at());
   EXPECT_EQ(coordinator().images().get(id)->image.pixels,
             ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+TEST_F(Work, AJobTellsWhatHasHappenedToIt) {
+  const std::string id = submit();
+  EXPECT_EQ(events_of(id), "submitted validated");
+  work('a', 1);
+  ASSERT_TRUE(coordinator().jobs().pause(id));
+  ASSERT_TRUE(coordinator().jobs().resume(id));
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(coordinator().jobs().extend(id, kSpp + 1));
+  const std::string before = "submitted validated started paused resumed extended";
+  EXPECT_EQ(events_of(id), before);
+  work('a');
+  EXPECT_EQ(events_of(id), before) << "its end is not stored yet";
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(events_of(id), before + " done");
+  open();
+  EXPECT_EQ(events_of(id), before + " done");
+  ASSERT_TRUE(coordinator().jobs().extend(id, kSpp + 2));
+  open();
+  EXPECT_EQ(events_of(id), before + " done resumed extended");
+  EXPECT_EQ(listed().at(0).events_size(), 0) << "a list is short";
+}
+
+TEST_F(Work, TheFirstSamplesOfAJobAreCountedOnce) {
+  const std::string id = submit();
+  const auto count = [&] {
+    const auto counts = coordinator().farm().first_samples().snapshot().counts;
+    return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+  };
+  EXPECT_EQ(count(), 0u);
+  work('a', 2);
+  EXPECT_EQ(count(), 1u);
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+  open();
+  work('a');
+  EXPECT_EQ(count(), 0u) << "it had samples before the restart";
+}
+
+TEST(JobLife, KeepsTheFirstAndTheLastEvents) {
+  farm::JobLife life;
+  for (int i = 0; i < 200; ++i)
+    life.note(i % 2 == 0 ? v1::JobEvent::KIND_PAUSED : v1::JobEvent::KIND_RESUMED, 1000 + i);
+  ASSERT_EQ(life.events().size(), farm::JobLife::kMaxEvents);
+  EXPECT_EQ(life.events()[farm::JobLife::kFirstEvents - 1].at_ms, 1006);
+  EXPECT_EQ(life.events()[farm::JobLife::kFirstEvents].at_ms, 1143);
+  EXPECT_EQ(life.events().back().at_ms, 1199);
+  stored::v1::Counters counters;
+  farm::write_life(life, counters);
+  EXPECT_EQ(farm::read_life(counters), life);
+  counters.mutable_events(0)->set_kind(1000);
+  counters.mutable_events(1)->set_at_ms(std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(farm::read_life(counters).events().size(), farm::JobLife::kMaxEvents - 2);
 }
 
 TEST_F(Work, LeasesComeWithWhatTheWorkerMustKnowOfTheJob) {
