@@ -8,6 +8,7 @@
 namespace tessera::client {
 
 void add_render_command(CLI::App& app, int& exit_code);
+void add_rerender_command(CLI::App& app, int& exit_code);
 void add_import_command(CLI::App& app, int& exit_code);
 void add_info_command(CLI::App& app, int& exit_code);
 void add_compare_command(CLI::App& app, int& exit_code);

@@ -34,6 +34,7 @@ takes 1 as the peak.)",
 struct CompareOptions {
   std::string path_a, path_b;
   std::optional<core::ImageRegion> region;  // the whole images if absent
+  std::string layer;                        // of both images; empty: the images themselves
   bool json = false;
 };
 
@@ -92,9 +93,9 @@ int cannot_compare(const core::Error& error) {
 }
 
 int run_compare(const CompareOptions& options) {
-  const core::Result<core::Image> a = core::read_image(options.path_a);
+  const core::Result<core::Image> a = core::read_image(options.path_a, options.layer);
   if (!a) return cannot_compare(a.error());
-  const core::Result<core::Image> b = core::read_image(options.path_b);
+  const core::Result<core::Image> b = core::read_image(options.path_b, options.layer);
   if (!b) return cannot_compare(b.error());
   const auto result = options.region ? core::compare(*a, *b, *options.region) : core::compare(*a, *b);
   if (!result) return cannot_compare(result.error());
@@ -115,6 +116,11 @@ void add_compare_command(CLI::App& app, int& exit_code) {
           "Compare only W x H pixels whose top left is (X, Y); B can be an image of just these "
           "(render --crop)")
       ->type_name("X,Y,WxH");
+  command
+      ->add_option(
+          "--layer", options->layer,
+          "Compare this layer of .exr files, such as Normal or Direct, or one channel, such as Depth.Z")
+      ->type_name("NAME");
   command->add_flag("--json", options->json, "Print one line of JSON");
   cli::set_help(*command, kCompareHelp);
   command->callback([options, &exit_code] { exit_code = run_compare(*options); });

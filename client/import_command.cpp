@@ -85,7 +85,9 @@ void print_report(const std::vector<std::string>& warnings) {
 }
 
 int run_import(const ImportOptions& options) {
-  auto scene = core::load_scene_file(options.scene.scene_path, options.scene.parameters);
+  core::SceneLimits limits;
+  if (options.report) limits.warnings = core::kReportLimits;
+  auto scene = core::load_scene_file(options.scene.scene_path, options.scene.parameters, limits);
   if (!scene) return print_error(scene.error());
   if (options.report)
     print_report(scene->warnings);
@@ -121,7 +123,7 @@ void add_import_command(CLI::App& app, int& exit_code) {
 written scene is read again and compared with the original, so that both render to the same bytes.)",
        .exit_statuses = kUsualExitStatuses,
        .examples = {"tessera import model.glb -o scene.json", "tessera import room.pbrt --report",
-                    "tessera import room.xml -o room.json -D spp=256"}});
+                    "tessera import room.xml -o room.json -D spp=256 --camera 1"}});
   command->callback([options, &exit_code] {
     if (options->output_path.empty() && !options->report) throw CLI::RequiredError("-o FILE or --report");
     exit_code = run_import(*options);

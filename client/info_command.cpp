@@ -70,6 +70,23 @@ Json textures_json(const core::SceneDescription& scene) {
   return json;
 }
 
+Json names_json(const std::vector<std::string>& names) {
+  Json json = Json::array();
+  for (const std::string& name : names) json.push_back(name);
+  return json;
+}
+
+// What can be chosen by --camera, --scene, --variant and --animation; a list without entries is left out.
+Json contents_json(const core::SceneContents& contents) {
+  Json json = Json::object();
+  if (!contents.cameras.empty()) json["cameras"] = names_json(contents.cameras);
+  if (!contents.scenes.empty()) json["scenes"] = names_json(contents.scenes);
+  if (!contents.variants.empty()) json["variants"] = names_json(contents.variants);
+  for (const auto& [name, seconds] : contents.animations)
+    json["animations"].push_back({{"name", name}, {"seconds", seconds}});
+  return json;
+}
+
 // All that is told of a scene that was read.
 Json scene_json(const core::SceneDescription& scene) {
   const core::SceneCounts counts = core::count_scene(scene);
@@ -77,11 +94,13 @@ Json scene_json(const core::SceneDescription& scene) {
   Json json;
   if (!bounds.empty()) json["bounds"] = {{"lower", to_json(bounds.lower)}, {"upper", to_json(bounds.upper)}};
   json["camera"] = camera_json(scene.camera);
+  json["contents"] = contents_json(scene.contents);
   json["width"] = scene.settings.width_px;
   json["height"] = scene.settings.height_px;
   json["spp"] = scene.settings.spp;
   json["triangles"] = counts.triangles;
   json["triangles_with_instances"] = counts.triangles_with_instances;
+  if (counts.curve_segments > 0) json["curve_segments"] = counts.curve_segments;
   json["shapes"] = to_json(counts.shapes);
   json["objects"] = scene.objects.size();
   json["lights"] = to_json(counts.lights);
@@ -138,6 +157,20 @@ std::string plain_textures(const Json& textures) {
   return text;
 }
 
+// "0 Front, 1 Back", or "0 Walk (0.7 s)"
+std::string plain_choices(const Json& list) {
+  std::string text;
+  std::size_t number = 0;
+  for (const Json& entry : list) {
+    const Json& name = entry.is_object() ? entry["name"] : entry;
+    text += fmt::format("{}{} {}", number == 0 ? "" : ", ", number, name.get<std::string>());
+    if (text.ends_with(' ')) text.pop_back();
+    if (entry.is_object()) text += fmt::format(" ({:g} s)", entry["seconds"].get<float>());
+    ++number;
+  }
+  return text;
+}
+
 // One line for each entry of `json`, which is what scene_json() returns.
 std::string plain_scene(const Json& json) {
   std::string text;
@@ -147,10 +180,13 @@ std::string plain_scene(const Json& json) {
   if (json.contains("bounds"))
     line("bounds", fmt::format("{} to {}", plain(json["bounds"]["lower"]), plain(json["bounds"]["upper"])));
   line("camera", plain_camera(json["camera"]));
+  for (const auto& [what, list] : json["contents"].items()) line(what, plain_choices(list));
   line("image", fmt::format("{} x {} pixels, {} samples each", json["width"].get<int>(),
                             json["height"].get<int>(), json["spp"].get<std::uint32_t>()));
   line("triangles", fmt::format("{} stored, {} with instances", json["triangles"].get<std::uint64_t>(),
                                 json["triangles_with_instances"].get<std::uint64_t>()));
+  if (json.contains("curve_segments"))
+    line("curves", fmt::format("{} segments", json["curve_segments"].get<std::uint64_t>()));
   line("shapes", plain_counts(json["shapes"]));
   line("objects", fmt::format("{}", json["objects"].get<std::uint64_t>()));
   line("lights", plain_lights(json));

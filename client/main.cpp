@@ -39,6 +39,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   int exit_code = kExitOk;
   add_render_command(app, exit_code);
+  add_rerender_command(app, exit_code);
   add_import_command(app, exit_code);
   add_info_command(app, exit_code);
   add_compare_command(app, exit_code);

@@ -47,16 +47,61 @@ void warn_about_idle_display(const std::vector<std::string>& paths, const core::
   }
 }
 
-Status write_pictures(const std::vector<std::string>& paths, const core::Image& image,
-                      const core::DisplaySettings& display) {
+std::optional<core::ImagePosition> position_of(const core::RenderSettings& settings) {
+  const core::PixelRect window = settings.window();
+  if (window == core::PixelRect{0, 0, settings.width_px, settings.height_px}) return std::nullopt;
+  return core::ImagePosition{window.x0, window.y0, settings.width_px, settings.height_px};
+}
+
+namespace {
+
+// Writes what encode(format) returns for each path.
+template <typename Encode>
+Status write_each(const std::vector<std::string>& paths, const Encode& encode) {
   for (const std::string& path : paths) {
     const core::Result<core::ImageFormat> format = core::image_format_from_path(path);
     if (!format) return core::fail(format.error());
-    const core::Result<std::string> bytes = core::encode_image(image, *format, display);
+    const core::Result<std::string> bytes = encode(*format);
     if (!bytes) return core::fail(bytes.error().within(path));
     if (Status status = core::write_file_atomically(path, *bytes); !status) return status;
   }
   return {};
+}
+
+}  // namespace
+
+Status write_pictures(const std::vector<std::string>& paths, const core::Image& image,
+                      const core::RenderSettings& settings, const core::DisplaySettings& display) {
+  const auto position = position_of(settings);
+  return write_each(
+      paths, [&](core::ImageFormat format) { return core::encode_image(image, format, display, position); });
+}
+
+Status write_layers(const std::vector<std::string>& paths, const LayerPicture& picture,
+                    const core::DisplaySettings& display) {
+  const core::TileGrid grid(picture.settings.window(), core::kTilePx);
+  core::LayerRows rows(grid, picture.settings.layers, picture.tile);
+  const core::ChannelRows source{grid.width(),
+                                 grid.height(),
+                                 core::image_channels(picture.settings.layers),
+                                 [&rows](int y) { return rows.row(y); },
+                                 position_of(picture.settings),
+                                 picture.attributes};
+  return write_each(paths,
+                    [&](core::ImageFormat format) { return core::encode_channels(source, format, display); });
+}
+
+void warn_about_idle_layers(const std::vector<std::string>& paths, core::LayerSet layers) {
+  const auto has = [&](core::ImageFormat wanted) {
+    return std::any_of(paths.begin(), paths.end(), [&](const std::string& path) {
+      const auto format = core::image_format_from_path(path);
+      return format && *format == wanted;
+    });
+  };
+  if (paths.empty() || has(core::ImageFormat::kExr)) return;
+  const bool alpha_only = layers == core::LayerSet{}.with(core::Layer::kAlpha);
+  if (layers.empty() || alpha_only) return;
+  print_warning("layers are written to .exr files only, and alpha to .png: add -o FILE.exr");
 }
 
 }  // namespace tessera::client

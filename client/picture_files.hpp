@@ -2,11 +2,15 @@
 // The picture files a command is asked to write (-o): checked before the work, written after it.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/film/develop.hpp"
 #include "core/image/display.hpp"
+#include "core/image/encode.hpp"
 #include "core/image/image.hpp"
 #include "core/scene/settings.hpp"
 
@@ -21,9 +25,26 @@ core::Status check_picture_size(const std::vector<std::string>& paths, const cor
 // Warns that the options for PNG files change nothing where there are some, but no such file.
 void warn_about_idle_display(const std::vector<std::string>& paths, const core::DisplayOverrides& overrides);
 
-// Writes the picture to each path, in order, PNG files as `display` says; stops at the first failure, which
-// names the path.
+// Where the window of the settings lies in the image; nothing if it is all of it.
+std::optional<core::ImagePosition> position_of(const core::RenderSettings& settings);
+
+// Writes the picture, the window of the settings, to each path, in order, PNG files as `display` says; stops
+// at the first failure, which names the path.
 core::Status write_pictures(const std::vector<std::string>& paths, const core::Image& image,
-                            const core::DisplaySettings& display);
+                            const core::RenderSettings& settings, const core::DisplaySettings& display);
+
+// An image with layers, from the sums of a film.
+struct LayerPicture {
+  core::RenderSettings settings;
+  core::LayerRows::TileSource tile;  // of the grid over the window of the settings
+  std::vector<std::pair<std::string, std::string>> attributes{};  // of the header of .exr files
+};
+
+// The same for an image with layers, tile row by tile row.
+core::Status write_layers(const std::vector<std::string>& paths, const LayerPicture& picture,
+                          const core::DisplaySettings& display);
+
+// Warns if layers were chosen that none of the files can hold.
+void warn_about_idle_layers(const std::vector<std::string>& paths, core::LayerSet layers);
 
 }  // namespace tessera::client

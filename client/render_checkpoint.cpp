@@ -66,16 +66,28 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
+// The words of a plane in as few bytes each as the largest needs.
+struct StoredPlane {
+  std::uint8_t word_bytes = 0;
+  std::vector<std::uint8_t> words;
+};
+
+auto fields(core::stored::Is<StoredPlane> auto& value) {
+  auto& [word_bytes, words] = value;
+  return std::tie(word_bytes, words);
+}
+
 // The sums of a grid tile in as few bytes each as the largest needs.
 struct StoredTile {
   std::uint32_t samples = 0;
   std::uint8_t sum_bytes = 0, odd_sum_bytes = 0;
   std::vector<std::uint8_t> sums;  // then the odd ones
+  std::vector<StoredPlane> planes;
 };
 
 auto fields(core::stored::Is<StoredTile> auto& value) {
-  auto& [samples, sum_bytes, odd_sum_bytes, sums] = value;
-  return std::tie(samples, sum_bytes, odd_sum_bytes, sums);
+  auto& [samples, sum_bytes, odd_sum_bytes, sums, planes] = value;
+  return std::tie(samples, sum_bytes, odd_sum_bytes, sums, planes);
 }
 
 std::uint8_t bytes_needed(const std::vector<std::uint64_t>& sums) {
@@ -101,23 +113,49 @@ std::vector<std::uint64_t> unpack(std::span<const std::uint8_t> from, std::size_
 }
 
 StoredTile stored(const TileSums& tile) {
-  StoredTile result{tile.samples, bytes_needed(tile.sums), bytes_needed(tile.odd_sums), {}};
+  StoredTile result{tile.samples, bytes_needed(tile.sums), bytes_needed(tile.odd_sums), {}, {}};
   pack(tile.sums, result.sum_bytes, result.sums);
   pack(tile.odd_sums, result.odd_sum_bytes, result.sums);
+  for (const core::Plane& plane : tile.planes) {
+    StoredPlane& packed = result.planes.emplace_back();
+    packed.word_bytes = bytes_needed(plane);
+    pack(plane, packed.word_bytes, packed.words);
+  }
   return result;
 }
 
-// The sums of a tile with this many channels; nullopt if no film has them. Samples are those from 0 on.
-std::optional<TileSums> restored(const StoredTile& tile, std::size_t channels) {
+// nullopt if no film of this rectangle has them.
+std::optional<core::Planes> restored(const std::vector<StoredPlane>& planes, const core::FilmLayout& layout,
+                                     const core::PixelRect& rect, std::uint32_t samples) {
+  core::Planes result;
+  for (const StoredPlane& plane : planes) {
+    const std::size_t bytes = plane.word_bytes;
+    if (bytes > 8 || (bytes == 0 ? !plane.words.empty() : plane.words.size() % bytes != 0))
+      return std::nullopt;
+    const std::size_t words = bytes == 0 ? 0 : plane.words.size() / bytes;
+    if (words > 2 * core::kMaxIdsPerPixel * rect.pixel_count()) return std::nullopt;
+    result.push_back(unpack(plane.words, bytes, words));
+  }
+  if (result.size() != (samples == 0 ? 0 : layout.planes())) return std::nullopt;
+  if (!core::check_planes(layout, result, rect, samples)) return std::nullopt;
+  return result;
+}
+
+// The sums of a tile; nullopt if no film has them. Samples are those from 0 on.
+std::optional<TileSums> restored(const StoredTile& tile, const core::FilmLayout& layout,
+                                 const core::PixelRect& rect) {
+  const std::size_t channels = layout.sums(rect.pixel_count());
   const std::size_t sum_bytes = tile.sum_bytes, odd_bytes = tile.odd_sum_bytes;
   if (tile.samples > core::kMaxSpp || sum_bytes > 8 || odd_bytes > 8) return std::nullopt;
   if (tile.sums.size() != (tile.samples == 0 ? std::size_t{0} : channels * (sum_bytes + odd_bytes)))
     return std::nullopt;
+  auto planes = restored(tile.planes, layout, rect, tile.samples);
+  if (!planes) return std::nullopt;
   if (tile.samples == 0) return TileSums{};
   const std::span<const std::uint8_t> all(tile.sums);
   return TileSums{unpack(all, sum_bytes, channels),
                   unpack(all.subspan(channels * sum_bytes), odd_bytes, channels), tile.samples,
-                  tile.samples / 2};
+                  tile.samples / 2, *std::move(planes)};
 }
 
 tl::unexpected<core::Error> cannot_write(const std::string& path, int error) {
@@ -166,7 +204,7 @@ Status check_samples(const RenderTotals& totals, const core::Film& film) {
 }  // namespace
 
 core::Checksum checkpoint_format() {
-  constexpr std::string_view kFormat = "checkpoint of a render 1";
+  constexpr std::string_view kFormat = "checkpoint of a render 2";
   return core::checksum_of(std::as_bytes(std::span(kFormat)));
 }
 
@@ -204,13 +242,15 @@ Result<Checkpoint> read_checkpoint(core::OpenFile file, const std::string& name,
   if (const std::string what = difference(header.render, render); !what.empty())
     return fail(ErrorCode::kFailedPrecondition,
                 fmt::format("'{}' belongs to another render: {}", name, what));
-  Checkpoint checkpoint{header, core::Film(core::TileGrid(render.settings.window(), core::kTilePx))};
+  const core::LayerSet layers = render.settings.layers;
+  Checkpoint checkpoint{header, core::Film(core::TileGrid(render.settings.window(), core::kTilePx), layers)};
+  const core::FilmLayout layout = core::film_layout(layers);
   const core::TileGrid& grid = checkpoint.film.grid();
   std::uint32_t most = 0;
   for (int tile = 0; tile < grid.tile_count(); ++tile) {
     StoredTile stored;
     reader(stored);
-    const auto sums = restored(stored, 3 * grid.rect(tile).pixel_count());
+    const auto sums = restored(stored, layout, grid.rect(tile));
     if (!reader.good() || !sums) return damaged(name);
     checkpoint.film.restore(tile, *sums);
     most = std::max(most, sums->samples);

@@ -74,8 +74,11 @@ Status check_paths(const RenderOptions& options) {
 // An image that does not fit into memory is rejected now instead of being killed later.
 Status check_memory(const core::RenderSettings& settings) {
   constexpr double kBytesPerPixel = 2 * 3 * 8 + 3 * 4;  // the film's two sums and the developed image
+  constexpr double kBytesPerPlane = 2 * 8;  // of the film, and of the samples that are added to it
   const core::PixelRect window = settings.window();
-  const double needed = kBytesPerPixel * static_cast<double>(window.pixel_count());
+  const auto planes = static_cast<double>(core::film_layout(settings.layers).planes());
+  const double needed =
+      (kBytesPerPixel + kBytesPerPlane * planes) * static_cast<double>(window.pixel_count());
   const auto present = static_cast<double>(core::available_memory_bytes());
   if (needed <= present) return {};
   return core::fail(
@@ -104,6 +107,24 @@ Result<core::PreparedScene> prepare(const std::optional<core::SceneStore>& store
   return core::PreparedScene{std::move(*description)};
 }
 
+Result<core::RenderSettings> settings_of(const RenderOptions& options,
+                                         const core::SceneDescription& description) {
+  if (options.record) return options.record->settings;
+  return core::resolve_settings(description.settings, options.scene.overrides);
+}
+
+// Whether the scene is that of the record, if there is one.
+Status check_scene(const RenderOptions& options, const core::SceneDescription& description,
+                   const core::SceneDigest& digest) {
+  if (!options.record) return {};
+  const core::SceneDigest shown = core::digest_at_frame(digest, description.animation, options.record->frame);
+  if (core::digest_text(shown) == options.record->scene) return {};
+  return core::fail(core::ErrorCode::kFailedPrecondition,
+                    fmt::format("{}: is not the scene that the image was rendered from: it has changed, or "
+                                "parameters of it were replaced (-D)",
+                                options.scene.scene_path));
+}
+
 Result<LoadedScene> load(const RenderOptions& options) {
   const double start = steady_seconds();
   const auto store = open_scene_store(options);
@@ -112,7 +133,7 @@ Result<LoadedScene> load(const RenderOptions& options) {
   if (!prepared) return core::fail(prepared.error());
   const core::SceneDescription& description = prepared->description;
   print_warnings(description.warnings);
-  const auto settings = core::resolve_settings(description.settings, options.scene.overrides);
+  const auto settings = settings_of(options, description);
   if (!settings) return core::fail(settings.error().within(options.scene.scene_path));
   const auto display = core::resolve_display(description.display, options.scene.display);
   if (!display) return core::fail(display.error().within(options.scene.scene_path));
@@ -122,6 +143,14 @@ Result<LoadedScene> load(const RenderOptions& options) {
   if (Status possible = core::validate_frames(description, options.frames.frames); !possible)
     return core::fail(possible.error().within(options.scene.scene_path));
   const core::SceneDigest digest = options.sample ? core::SceneDigest{} : core::digest_of(description);
+  if (Status same = check_scene(options, description, digest); !same) return core::fail(same.error());
+  const core::LayerSet mattes = core::LayerSet{}
+                                    .with(core::Layer::kCryptoObject)
+                                    .with(core::Layer::kCryptoMaterial)
+                                    .with(core::Layer::kCryptoAsset);
+  core::CryptoNames names;
+  if (settings->layers.intersects(mattes)) names = core::crypto_names(description);
+  warn_about_idle_layers(options.scene.output_paths, settings->layers);
   const double loaded = steady_seconds();
   if (Status threads = core::check_threads(options.threads); !threads)
     return core::fail(threads.error().within("--threads"));
@@ -132,7 +161,7 @@ Result<LoadedScene> load(const RenderOptions& options) {
   stats.threads = options.threads;
   stats.load_seconds = loaded - start;
   stats.build_seconds = steady_seconds() - loaded;
-  return LoadedScene{std::move(*scene), *display, digest, stats};
+  return LoadedScene{std::move(*scene), *display, digest, std::move(names), stats};
 }
 
 int print_sample(const core::Scene& scene, const core::RenderSettings& settings, core::SampleId id) {
@@ -175,6 +204,8 @@ int render_frames(const RenderOptions& options, const std::vector<std::int32_t>&
   return kExitOk;
 }
 
+}  // namespace
+
 int run_render(const RenderOptions& options) {
   const std::vector<std::int32_t> frames =
       options.frames.frames.empty() ? std::vector<std::int32_t>{0} : render_order(options.frames);
@@ -189,8 +220,6 @@ int run_render(const RenderOptions& options) {
     return print_error(threads.error().within("--threads"));
   return render_frames(options, frames, *loaded);
 }
-
-}  // namespace
 
 void add_render_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("render", "Render a scene on this machine");

@@ -39,7 +39,8 @@ std::string difference(const core::RenderSettings& a, const core::RenderSettings
         differ("heuristic", core::heuristic_name(a.heuristic), core::heuristic_name(b.heuristic)),
         differ("max_depth", a.max_depth, b.max_depth),
         differ("clamp_indirect", a.clamp_indirect, b.clamp_indirect),
-        differ("filter", filter_text(a.filter), filter_text(b.filter))})
+        differ("filter", filter_text(a.filter), filter_text(b.filter)),
+        differ("set of layers", core::layers_text(a.layers), core::layers_text(b.layers))})
     if (!what.empty()) return what;
   return "";
 }

@@ -106,16 +106,7 @@ void add_checkpoint_options(CLI::App& command, RenderOptions& options) {
 }
 
 void add_local_options(CLI::App& command, RenderOptions& options) {
-  constexpr std::uint64_t kMaxThreads = 1024;
-  command
-      .add_option_function<std::string>(
-          "--threads",
-          [&options](const std::string& text) {
-            options.threads = static_cast<int>(parse_whole_number("--threads", text, 1, kMaxThreads));
-          },
-          "Number of threads [default: one per processor that this process may use: by control group, "
-          "affinity mask, SLURM_CPUS_PER_TASK and OMP_NUM_THREADS]")
-      ->type_name("N");
+  add_thread_option(command, options.threads);
   command.add_option("--stats", options.stats_path, "Write counts, times and memory use to a JSON file")
       ->type_name("FILE");
   command
@@ -159,6 +150,19 @@ void check_frame_flags(const RenderOptions& options) {
 }
 
 }  // namespace
+
+void add_thread_option(CLI::App& command, int& threads) {
+  constexpr std::uint64_t kMaxThreads = 1024;
+  command
+      .add_option_function<std::string>(
+          "--threads",
+          [&threads](const std::string& text) {
+            threads = static_cast<int>(parse_whole_number("--threads", text, 1, kMaxThreads));
+          },
+          "Number of threads [default: one per processor that this process may use: by control group, "
+          "affinity mask, SLURM_CPUS_PER_TASK and OMP_NUM_THREADS]")
+      ->type_name("N");
+}
 
 void add_render_options(CLI::App& command, RenderOptions& options) {
   options.threads = static_cast<int>(core::available_threads());

@@ -12,6 +12,7 @@
 #include "client/scene_flags.hpp"
 #include "core/film/film.hpp"
 #include "core/scene/cache/scene_store.hpp"
+#include "core/scene/render_record.hpp"
 
 namespace tessera::client {
 
@@ -31,13 +32,20 @@ struct RenderOptions {
   std::optional<std::string> tev;        // HOST:PORT of a viewer
   std::optional<std::string> view;       // HOST:PORT where the page is served
   std::optional<core::SampleId> sample;  // replay this one instead of rendering
-  bool quiet = false;                    // no progress and no summary; warnings remain
-  bool json = false;                     // the progress as JSON on stdout, and no summary
+  std::optional<core::RenderRecord> record{};  // render as this says; the scene must be the same
+  bool quiet = false;                          // no progress and no summary; warnings remain
+  bool json = false;                           // the progress as JSON on stdout, and no summary
 };
 
 // Adds the options of `render` and its help. Values are stored in `options` while the command line is parsed;
 // `options` must live until then.
 void add_render_options(CLI::App& command, RenderOptions& options);
+
+// Adds --threads.
+void add_thread_option(CLI::App& command, int& threads);
+
+// Renders as the options say. The exit status.
+int run_render(const RenderOptions& options);
 
 // Where checkpoints are written.
 std::string checkpoint_path_of(const RenderOptions& options);

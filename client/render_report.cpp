@@ -53,12 +53,13 @@ void warn_about_saturation(const std::string& scene_path, const core::Film& film
   }
 }
 
-void warn_about_blackness(const core::Image& image) {
-  if (std::all_of(image.pixels.begin(), image.pixels.end(),
-                  [](core::Rgb color) { return core::is_black(color); })) {
-    print_warning(
-        "the image is black: no light reaches the camera; is it inside something, or does it look away?");
+void warn_about_blackness(const core::Film& film) {
+  for (int tile = 0; tile < film.grid().tile_count(); ++tile) {
+    const std::vector<std::uint64_t> sums = film.tile(tile).sums;
+    if (std::any_of(sums.begin(), sums.end(), [](std::uint64_t sum) { return sum > 0; })) return;
   }
+  print_warning(
+      "the image is black: no light reaches the camera; is it inside something, or does it look away?");
 }
 
 std::string progress_text(const core::Film& film, const RenderStats& stats) {

@@ -16,7 +16,7 @@ void warn_about_samples(const std::string& scene_path, const RenderStats& stats)
 // Warns of pixels that have gathered more light than the film holds.
 void warn_about_saturation(const std::string& scene_path, const core::Film& film);
 // Warns of an image without light.
-void warn_about_blackness(const core::Image& image);
+void warn_about_blackness(const core::Film& film);
 
 // "58.3% (37 of 64 samples per pixel)", and how many tiles are still black.
 std::string progress_text(const core::Film& film, const RenderStats& stats);

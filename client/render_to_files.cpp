@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -22,7 +23,11 @@
 #include "client/picture_files.hpp"
 #include "client/render_report.hpp"
 #include "client/tev_observer.hpp"
+#include "core/base/determinism_fingerprint.hpp"
+#include "core/base/version.hpp"
+#include "core/film/cryptomatte.hpp"
 #include "core/image/file_io.hpp"
+#include "core/scene/render_record.hpp"
 
 namespace tessera::client {
 namespace {
@@ -32,7 +37,8 @@ using core::Status;
 
 // An empty film, or that of the checkpoint.
 Result<std::unique_ptr<SharedFilm>> first_film(const RenderOptions& options, const RenderIdentity& render) {
-  auto empty = std::make_unique<SharedFilm>(core::TileGrid(render.settings.window(), core::kTilePx));
+  auto empty = std::make_unique<SharedFilm>(core::TileGrid(render.settings.window(), core::kTilePx),
+                                            render.settings.layers);
   if (!options.resume) return empty;
   const bool is_named = !options.resume->empty();
   auto checkpoint = read_checkpoint(is_named ? *options.resume : checkpoint_path_of(options), render);
@@ -50,6 +56,40 @@ CheckpointPlan plan_of(const RenderOptions& options) {
   return {path, options.checkpoint_seconds, !options.checkpoint_path.empty(), continues};
 }
 
+// Whether every pixel has all of its samples.
+bool has_all_samples(const SharedFilm& film, std::uint32_t spp) {
+  const std::vector<std::uint32_t> samples = film.samples();
+  return std::all_of(samples.begin(), samples.end(), [&](std::uint32_t of_tile) { return of_tile == spp; });
+}
+
+// An image that is rendered again says what it said before: compatible versions give the same bytes.
+std::vector<std::pair<std::string, std::string>> attributes_of_image(const RenderOptions& options,
+                                                                     const LoadedScene& loaded,
+                                                                     const SharedFilm& film) {
+  const core::RenderSettings& settings = loaded.stats.settings;
+  auto attributes =
+      core::attributes_of({.version = options.record ? options.record->version : std::string(core::version()),
+                           .fingerprint = std::string(core::kDeterminismFingerprint),
+                           .scene = core::digest_text(loaded.digest),
+                           .settings = settings,
+                           .frame = loaded.scene.frame(),
+                           .complete = has_all_samples(film, settings.spp)});
+  for (auto& attribute : core::crypto_attributes(settings.layers, loaded.names))
+    attributes.push_back(std::move(attribute));
+  return attributes;
+}
+
+// Writes the image files of what there is.
+Status write_images(const RenderOptions& options, const LoadedScene& loaded, const SharedFilm& film) {
+  const core::RenderSettings& settings = loaded.stats.settings;
+  if (settings.layers.empty())
+    return write_pictures(options.scene.output_paths, film.develop(), settings, loaded.display);
+  const LayerPicture picture{settings,
+                             [&](int tile) -> Result<core::Film::TileSums> { return film.tile(tile); },
+                             attributes_of_image(options, loaded, film)};
+  return write_layers(options.scene.output_paths, picture, loaded.display);
+}
+
 // Writes the image files every so often, where that is wanted.
 std::unique_ptr<BackgroundTask> image_updates(const RenderOptions& options, const LoadedScene& loaded,
                                               const SharedFilm& film, Notices& notices) {
@@ -57,7 +97,7 @@ std::unique_ptr<BackgroundTask> image_updates(const RenderOptions& options, cons
   const auto update = [&options, &loaded, &film, seen = film.totals().counters.samples]() mutable -> Status {
     const std::uint64_t samples = film.totals().counters.samples;
     if (samples == std::exchange(seen, samples)) return {};
-    return write_pictures(options.scene.output_paths, film.develop(), loaded.display);
+    return write_images(options, loaded, film);
   };
   return std::make_unique<BackgroundTask>(
       *options.update_seconds, update,
@@ -123,9 +163,8 @@ bool take_samples(const RenderOptions& options, const LoadedScene& loaded, Share
   return complete;
 }
 
-Status write_results(const RenderOptions& options, const LoadedScene& loaded, const core::Image& image) {
-  if (Status status = write_pictures(options.scene.output_paths, image, loaded.display); !status)
-    return status;
+Status write_results(const RenderOptions& options, const LoadedScene& loaded, const SharedFilm& film) {
+  if (Status status = write_images(options, loaded, film); !status) return status;
   if (options.stats_path.empty()) return {};
   return core::write_file_atomically(options.stats_path, to_json(loaded.stats, peak_memory_bytes()));
 }
@@ -186,10 +225,9 @@ int render_to_files(const RenderOptions& options, LoadedScene& loaded) {
   if (stats.counters.samples == 0) return stop_before_first_sample();
   warn_about_samples(scene_path, stats);
   warn_about_saturation(scene_path, (*film)->film());
-  const core::Image image = (*film)->film().develop();
   // For a scene without lights, a warning has been printed before.
-  if (!loaded.scene.lights().empty()) warn_about_blackness(image);
-  if (Status status = write_results(options, loaded, image); !status) return print_error(status.error());
+  if (!loaded.scene.lights().empty()) warn_about_blackness((*film)->film());
+  if (Status status = write_results(options, loaded, **film); !status) return print_error(status.error());
   if (lines) lines->finish(options.scene.output_paths);
   if (stats.is_complete) {
     keep(keeper, true);

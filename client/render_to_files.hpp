@@ -15,7 +15,8 @@ struct LoadedScene {
   core::Scene scene;
   core::DisplaySettings display;
   core::SceneDigest digest;
-  RenderStats stats;  // so far; it has the settings
+  core::CryptoNames names;  // if a layer needs them
+  RenderStats stats;        // so far; it has the settings
 };
 
 // The threads that it may start besides those that render.

@@ -10,10 +10,13 @@
 #include <limits>
 #include <optional>
 #include <sstream>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "client/example_scenes.hpp"
 #include "core/image/encode.hpp"
+#include "core/scene/import/selection.hpp"
 
 namespace tessera::client {
 namespace {
@@ -62,6 +65,25 @@ core::Heuristic parse_heuristic(const std::string& text) {
   return *heuristic;
 }
 
+// tessera info lists the names and numbers.
+constexpr std::pair<std::string_view, const char*> kSelections[] = {
+    {core::kSelectCamera, "Camera of a glTF or Mitsuba file, by name or number from 0 [default: the first]"},
+    {core::kSelectScene, "Scene of a glTF file [default: the file's]"},
+    {core::kSelectVariant, "Variant of the materials of a glTF file [default: none]"},
+    {core::kSelectAnimation, "Animation of a glTF file [default: the first]"}};
+
+double parse_seconds(const std::string& text) {
+  const char* end = text.data() + text.size();
+  double seconds = 0;
+  const auto [stopped, error] = std::from_chars(text.data(), end, seconds);
+  constexpr double kMaxSeconds = 1e9;
+  if (error != std::errc() || stopped != end || !(seconds >= 0 && seconds <= kMaxSeconds)) {
+    throw CLI::ValidationError("--animation-time",
+                               fmt::format("must be a number of seconds from 0; got '{}'", text));
+  }
+  return seconds;
+}
+
 float parse_clamp(const std::string& text) {
   const char* end = text.data() + text.size();
   float limit = 0;
@@ -86,6 +108,12 @@ float parse_exposure(const std::string& text) {
                                            core::kMaxExposureStops, text));
   }
   return stops;
+}
+
+core::LayerSet parse_layers(const std::string& text) {
+  const core::Result<core::LayerSet> layers = core::parse_layers(text);
+  if (!layers) throw CLI::ValidationError("--layers", layers.error().message);
+  return *layers;
 }
 
 core::ToneCurve parse_tone_curve(const std::string& text) {
@@ -171,6 +199,15 @@ void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
           },
           "Random seed; the same seed gives the same bytes")
       ->type_name("N");
+  command
+      .add_option_function<std::string>(
+          "--layers", [&overrides](const std::string& text) { overrides.layers = parse_layers(text); },
+          "Channels that .exr files have besides colours: all, none, or some of alpha (also in .png), "
+          "direct, "
+          "indirect, emission, environment, albedo, normal, depth, position, uv, object_index, "
+          "material_index, instance_index, crypto_object, crypto_material, crypto_asset, samples and "
+          "standard_error")
+      ->type_name("NAME,...");
 }
 
 void add_parameter_option(CLI::App& command, std::vector<core::ParameterOverride>& parameters) {
@@ -188,6 +225,23 @@ void add_parameter_option(CLI::App& command, std::vector<core::ParameterOverride
           "lights[0].intensity=20. Can be given several times")
       ->allow_extra_args(false)
       ->type_name("PATH=VALUE");
+  for (const auto& [what, help] : kSelections)
+    command
+        .add_option_function<std::string>(
+            fmt::format("--{}", what),
+            [&parameters, what = what](const std::string& name) {
+              parameters.push_back(core::select_by_name(what, name));
+            },
+            help)
+        ->type_name("NAME|N");
+  command
+      .add_option_function<std::string>(
+          fmt::format("--animation-{}", core::kSelectTime),
+          [&parameters](const std::string& text) {
+            parameters.push_back(core::select_time(parse_seconds(text)));
+          },
+          "Time of the animation of a glTF file [default: its beginning]")
+      ->type_name("SECONDS");
 }
 
 void add_display_options(CLI::App& command, core::DisplayOverrides& overrides) {

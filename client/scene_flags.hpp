@@ -25,11 +25,12 @@ struct SceneFlags {
 void add_scene_argument(CLI::App& command, SceneFlags& flags);
 void add_output_option(CLI::App& command, SceneFlags& flags);
 
-// Adds --spp, --size, --crop, --integrator, --heuristic, --clamp-indirect and --seed. A bad value ends
-// parsing with a sentence that names the flag.
+// Adds --spp, --size, --crop, --integrator, --heuristic, --clamp-indirect, --seed and --layers. A bad value
+// ends parsing with a sentence that names the flag.
 void add_override_options(CLI::App& command, core::RenderOverrides& overrides);
 
-// Adds -D in the same way.
+// Adds -D, and the options that choose among what a file holds: --camera, --scene, --variant, --animation and
+// --animation-time, in the same way.
 void add_parameter_option(CLI::App& command, std::vector<core::ParameterOverride>& parameters);
 
 // Adds --exposure and --tone-curve in the same way.

@@ -38,6 +38,11 @@ TileSums SharedFilm::tile(int index) const {
   return film_.tile(index);
 }
 
+std::vector<std::uint32_t> SharedFilm::samples() const {
+  const std::lock_guard lock(mutex_);
+  return samples_of_tiles(film_);
+}
+
 core::Image SharedFilm::develop() const {
   const core::TileGrid& grid = film_.grid();
   core::Image image(grid.width(), grid.height());

@@ -25,7 +25,7 @@ struct RenderTotals {
 
 class SharedFilm {
  public:
-  explicit SharedFilm(core::TileGrid grid) : film_(grid) {}
+  explicit SharedFilm(core::TileGrid grid, core::LayerSet layers = {}) : film_(grid, layers) {}
   // Continues with this film.
   SharedFilm(core::Film film, const RenderTotals& totals) : film_(std::move(film)), totals_(totals) {}
 
@@ -38,6 +38,8 @@ class SharedFilm {
   void add(const core::FilmTile& tile, const RenderTotals& work,
            const std::vector<RenderObserver*>& observers);
 
+  // The samples of each pixel of each grid tile.
+  std::vector<std::uint32_t> samples() const;
   // Of one grid tile.
   core::Film::TileSums tile(int index) const;
   // The image of what there is, each tile of a moment of its own.

@@ -30,6 +30,7 @@ struct ImageOptions {
   std::vector<std::int32_t> frames;
   SceneFlags scene;  // its output paths and display options alone
   std::optional<core::PixelRect> region;
+  std::string layer;
   bool json = false;
 };
 
@@ -94,9 +95,11 @@ int run_image(const ImageOptions& options) {
   for (const WantedImage& each : *images) {
     if (core::Status writable = check_picture_paths(each.paths); !writable)
       return print_error(writable.error());
-    job =
-        download_pictures(farm, found->id(), each.paths,
-                          {.display = options.scene.display, .region = options.region, .image = each.image});
+    job = download_pictures(farm, found->id(), each.paths,
+                            {.display = options.scene.display,
+                             .region = options.region,
+                             .image = each.image,
+                             .layer = options.layer});
     if (!job) return print_error(job.error());
     paths.insert(paths.end(), each.paths.begin(), each.paths.end());
   }
@@ -131,6 +134,11 @@ void add_image_command(CLI::App& app, int& exit_code) {
           "--region", [options](const std::string& text) { options->region = parse_rect("--region", text); },
           "Write only the pixels from (X0, Y0) at the top left to (X1, Y1), which is excluded")
       ->type_name("X0,Y0,X1,Y1");
+  command
+      ->add_option("--layer", options->layer,
+                   "Write this layer of the job instead of the beauty, in three channels, such as albedo. "
+                   "Without it, OpenEXR files have all layers")
+      ->type_name("NAME");
   add_display_options(*command, options->scene.display);
   command->add_flag("--json", options->json,
                     "Print the job as one line of JSON, with the files as \"written\"");

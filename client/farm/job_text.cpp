@@ -2,6 +2,7 @@
 #include "client/farm/job_text.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
@@ -260,6 +261,8 @@ std::string job_description(const v1::Job& job, double now_seconds) {
                             job.bundle().assets_size() == 1 ? "" : "s")}};
   for (const std::vector<std::string>& row : image_rows(job)) rows.push_back(row);
   if (job.settings().has_crop()) rows.push_back({"crop", crop_text(job.settings())});
+  if (!job.settings().layers().empty())
+    rows.push_back({"layers", fmt::format("{}", fmt::join(job.settings().layers(), ", "))});
   if (job.samples_to_verify() > 0)
     rows.push_back({"to verify", fmt::format("{} samples", job.samples_to_verify())});
   if (!job.owner().empty()) rows.push_back({"owner", job.owner()});
@@ -276,7 +279,12 @@ std::string job_description(const v1::Job& job, double now_seconds) {
   if (job.state() == v1::JOB_STATE_RUNNING)
     rows.push_back(
         {"speed", job.samples_per_second() > 0 ? speed(job.samples_per_second()) + " samples/s" : "-"});
-  if (job.has_finished_at()) rows.push_back({"finished", TimeUtil::ToString(job.finished_at())});
+  // A coordinator of an earlier release sends no events.
+  if (job.events().empty() && job.has_finished_at())
+    rows.push_back({"finished", TimeUtil::ToString(job.finished_at())});
+  for (const v1::JobEvent& event : job.events())
+    if (event.kind() != v1::JobEvent::KIND_SUBMITTED)
+      rows.push_back({proto::event_name(event.kind()), TimeUtil::ToString(event.at())});
   if (job.counters().non_finite_samples() > 0)
     rows.push_back({"non-finite", fmt::format("{} samples", job.counters().non_finite_samples())});
   if (job.counters().saturated_samples() > 0)

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -20,10 +21,12 @@
 #include "client/farm/tile_image.hpp"
 #include "client/farm/watching.hpp"
 #include "client/interrupt.hpp"
+#include "client/screen/image_facts.hpp"
 #include "client/screen/screen.hpp"
 #include "client/screen/view_command.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
+#include "proto/json.hpp"
 
 namespace tessera::client {
 namespace {
@@ -47,13 +50,15 @@ std::string caption_of(const v1::Job& job, std::uint64_t samples_done) {
                      size_text(job.settings()), static_cast<int>(100 * share));
 }
 
-// The image of a job as it arrives, on a screen.
+// The image of a job as it arrives.
 class LiveImage {
  public:
-  LiveImage(Screen& screen, const core::DisplayOverrides& overrides)
-      : screen_(screen), overrides_(overrides) {}
+  using Show = std::function<core::Status(const LiveImage&)>;
+  explicit LiveImage(Show show) : show_(std::move(show)) {}
 
   const v1::Job& job() const { return job_; }
+  const core::Image& image() const { return image_; }
+  std::uint64_t samples_done() const { return samples_done_; }
   std::uint64_t revision() const { return revision_; }
 
   core::Status accept(const v1::WatchTilesResponse& response) {
@@ -70,12 +75,7 @@ class LiveImage {
     return redraw();
   }
 
-  core::Status redraw() {
-    if (window_.empty()) return {};
-    const auto display = proto::resolve_display(job_.display(), proto::to_proto(overrides_));
-    if (!display) return core::fail(display.error());
-    return screen_.show(image_, *display, caption_of(job_, samples_done_), true);
-  }
+  core::Status redraw() { return window_.empty() ? core::Status() : show_(*this); }
 
  private:
   // The job itself is sent only when its state changes.
@@ -99,8 +99,7 @@ class LiveImage {
     return {};
   }
 
-  Screen& screen_;
-  const core::DisplayOverrides& overrides_;
+  const Show show_;
   v1::Job job_;
   core::PixelRect window_;
   core::Image image_;
@@ -111,13 +110,15 @@ class LiveImage {
 };
 
 // Shows one stream to its end.
-core::Result<bool> follow_tiles(Farm& farm, const std::string& job_id, LiveImage& live, bool& progress) {
+core::Result<bool> follow_tiles(Farm& farm, const std::string& job_id, const std::string& layer,
+                                LiveImage& live, bool& progress) {
   grpc::ClientContext context;
   const std::jthread canceller = cancel_at_interrupt(context);
   v1::WatchTilesRequest request;
   request.set_job_id(job_id);
   request.set_since_revision(live.revision());
   request.set_format(v1::TILE_FORMAT_RGB16F);
+  request.set_layer(layer);
   const auto stream = farm.stub().WatchTiles(&context, request);
   v1::WatchTilesResponse response;
   core::Status shown;
@@ -134,20 +135,42 @@ core::Result<bool> follow_tiles(Farm& farm, const std::string& job_id, LiveImage
   return true;
 }
 
+core::Status draw(Screen& screen, const core::DisplayOverrides& overrides, const LiveImage& live) {
+  const auto display = proto::resolve_display(live.job().display(), proto::to_proto(overrides));
+  if (!display) return core::fail(display.error());
+  return screen.show(live.image(), *display, caption_of(live.job(), live.samples_done()), true);
+}
+
+core::Status print_facts(const LiveImage& live) {
+  nlohmann::ordered_json facts = image_facts(live.job().id(), live.image());
+  facts["state"] = shown_state(live.job());
+  facts["samples_done"] = live.samples_done();
+  facts["samples_total"] = live.job().samples_total();
+  print_result(proto::to_line(facts) + "\n");
+  return {};
+}
+
 int view_job(const JobViewOptions& options) {
-  auto screen = Screen::open(options.view.graphics);
-  if (!screen) return print_error(screen.error());
+  std::optional<Screen> screen;
+  if (!options.view.json) {
+    auto there = Screen::open(options.view.graphics);
+    if (!there) return print_error(there.error());
+    screen.emplace(*std::move(there));
+  }
   const auto opened = Farm::open(options.farm);
   if (!opened) return print_error(opened.error());
   Farm& farm = **opened;
   const auto found = find_job(farm, options.view.image);
   if (!found) return print_error(found.error());
   watch_for_interrupt();
-  LiveImage live(*screen, options.view.display);
-  auto ended =
-      patiently<bool>(farm, [&](bool& progress) { return follow_tiles(farm, found->id(), live, progress); });
+  LiveImage live([&](const LiveImage& image) {
+    return screen ? draw(*screen, options.view.display, image) : print_facts(image);
+  });
+  auto ended = patiently<bool>(farm, [&](bool& progress) {
+    return follow_tiles(farm, found->id(), options.view.layer, live, progress);
+  });
   const core::Status last = ended ? live.redraw() : core::Status{};
-  screen->close();
+  if (screen) screen->close();
   if (interrupted()) return results_are_lost() ? kExitOk : kExitInterrupted;
   if (!ended) return print_error(ended.error());
   return last ? report_end(live.job()) : print_error(last.error());

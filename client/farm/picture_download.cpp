@@ -69,6 +69,7 @@ core::Result<v1::Job> download_to(Farm& farm, const std::string& job_id,
     request.set_job_id(job_id);
     request.set_format(to_proto(*format));
     request.set_image(view.image);
+    request.set_layer(view.layer);
     *request.mutable_display() = proto::to_proto(view.display);
     if (view.region) *request.mutable_region() = proto::to_proto(*view.region);
     auto picture =

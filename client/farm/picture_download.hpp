@@ -18,6 +18,8 @@ struct PictureView {
   core::DisplayOverrides display{};
   std::optional<core::PixelRect> region{};  // pixels of the whole image; empty: all that are rendered
   std::uint32_t image = 0;                  // its number in the job
+  std::string layer{};                      // the name of the one that is wanted; empty: the beauty, and
+                                            // all layers where the format has them
 };
 
 // Fetches an image of the job once for each path, in the format of its extension, and writes it atomically.

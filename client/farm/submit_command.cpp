@@ -130,6 +130,7 @@ int run_submit(const SubmitOptions& options) {
   core::Status fits = check_picture_size(paths, local->settings);
   if (!fits) return print_error(fits.error());
   print_warnings(local->warnings);
+  warn_about_idle_layers(paths, local->settings.layers);
   if (!local->gives_light) warn_about_darkness(options.scene.scene_path);
   if (local->ignores_media) warn_about_ignored_media(options.scene.scene_path);
 

@@ -152,6 +152,8 @@ LocalApi::Answer LocalApi::events() const {
 LocalApi::Answer LocalApi::tiles(const http::Request& request) {
   const auto query = view::parse_stream_query(request);
   if (!query) return core::fail(query.error());
+  if (auto there = view::check_layer(source_->layers(), query->layer); !there)
+    return core::fail(there.error());
   http::Response response{
       .headers = {{"Content-Type", "application/octet-stream"}, {"Cache-Control", "no-store"}}};
   response.source = std::make_unique<view::TileStream>(source_, *query, streams_);
@@ -162,7 +164,9 @@ LocalApi::Answer LocalApi::pixel(const http::Request& request) {
   const auto x = number(request, "x", core::kMaxImageSidePx), y = number(request, "y", core::kMaxImageSidePx);
   if (!x) return core::fail(x.error());
   if (!y) return core::fail(y.error());
-  const auto pixel = view::read_pixel(*source_, *x, *y);
+  const auto layer = view::parse_layer(request.parameter("layer").value_or(""));
+  if (!layer) return core::fail(layer.error());
+  const auto pixel = view::read_pixel(*source_, *x, *y, *layer);
   if (!pixel) return core::fail(pixel.error());
   return json_response(view::to_json(*pixel));
 }

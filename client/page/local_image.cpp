@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/image/encode.hpp"
+#include "core/view/shown_layer.hpp"
 #include "core/view/stream_query.hpp"
 #include "core/view/tile_rows.hpp"
 
@@ -80,7 +81,10 @@ core::Result<http::Response> local_image(const LocalJob& job, view::TileSource& 
   const core::TileGrid grid = *source.grid();
   const auto region = region_of(grid.window(), request);
   if (!region) return core::fail(region.error());
-  view::TileRows rows(source, grid, *region);
+  const auto layer = view::parse_layer(request.parameter("layer").value_or(""));
+  if (!layer) return core::fail(layer.error());
+  if (auto there = view::check_layer(source.layers(), *layer); !there) return core::fail(there.error());
+  view::TileRows rows(source, grid, *region, *layer);
   StringSink sink;
   const auto size = core::write_image(rows.rows(job.settings().width_px, job.settings().height_px), *format,
                                       *display, sink);

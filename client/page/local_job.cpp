@@ -40,6 +40,7 @@ void add_settings(Json& json, const core::RenderSettings& settings) {
   json["max_depth"] = settings.max_depth;
   json["filter"] = core::filter_name(settings.filter.kind);
   json["filter_radius"] = shortest(settings.filter.radius_px);
+  json["layers"] = core::layer_names(settings.layers);
 }
 
 std::uint64_t samples_of(const core::Film& film) {

@@ -7,6 +7,7 @@
 
 #include "client/console.hpp"
 #include "client/scene_flags.hpp"
+#include "client/screen/image_facts.hpp"
 #include "client/screen/screen.hpp"
 #include "core/image/decode.hpp"
 
@@ -26,15 +27,28 @@ CLI::App* add_view_options(CLI::App& app, const std::string& what, ViewOptions& 
                                          fmt::format("must be auto, blocks, kitty or sixel; got '{}'", name));
           },
           "How the terminal is drawn to: half blocks in 24-bit colour, the graphics of kitty, or sixels; "
-          "auto "
-          "asks the terminal [default: auto]")
+          "auto asks the terminal [default: auto]")
       ->type_name("auto|blocks|kitty|sixel");
+  command
+      ->add_option("--layer", options.layer,
+                   "Show this layer of an .exr file, such as Normal or Direct, or one channel, such as "
+                   "Depth.Z; or of a job, such as normal")
+      ->type_name("NAME");
+  command->add_flag("--json", options.json,
+                    "Print the size of the image and the least, mean and greatest linear values of its "
+                    "channels, instead of showing it: one JSON object, and for a job one at each change");
   return command;
 }
 
 int view_file(const ViewOptions& options) {
-  const auto image = core::read_image(options.image);
+  const auto image = core::read_image(options.image, options.layer);
   if (!image) return print_error(image.error());
+  if (options.json) {
+    print_result(image_facts(options.image, *image)
+                     .dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace) +
+                 "\n");
+    return kExitOk;
+  }
   const auto display = core::resolve_display({}, options.display);
   if (!display) return print_error(display.error());
   auto screen = Screen::open(options.graphics);

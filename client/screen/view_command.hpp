@@ -15,6 +15,8 @@ struct ViewOptions {
   std::string image;  // a file; on a farm also a job
   core::DisplayOverrides display;
   std::optional<Graphics> graphics;  // empty: what the terminal has
+  std::string layer{};               // of an .exr file or a job; empty: the image itself
+  bool json = false;                 // prints facts about the image instead
 };
 
 // Adds the command with its options, which must live until the command line is parsed. Its callback is the

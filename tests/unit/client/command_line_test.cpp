@@ -284,6 +284,20 @@ TEST_F(CommandLine, ViewShowsAnImage) {
   EXPECT_EQ(run_tessera({"view", path("a.png"), "--protocol", "ascii"}).exit_status, 2);
 }
 
+TEST_F(CommandLine, ViewTellsTheValuesOfAnImage) {
+  ASSERT_EQ(render({"-o", path("a.exr")}).exit_status, 0);
+  const ProcessResult viewed = run_tessera({"view", path("a.exr"), "--json"});
+  ASSERT_EQ(viewed.exit_status, 0) << viewed.err;
+  const nlohmann::json facts = nlohmann::json::parse(viewed.out);
+  EXPECT_EQ(facts["image"], path("a.exr"));
+  EXPECT_EQ(facts["width"], 40);
+  EXPECT_EQ(facts["height"], 30);
+  for (int channel = 0; channel < 3; ++channel) {
+    EXPECT_LT(facts["minimum"][channel], facts["mean"][channel]);
+    EXPECT_LT(facts["mean"][channel], facts["maximum"][channel]);
+  }
+}
+
 TEST_F(CommandLine, HelpAndVersionGoToStdout) {
   for (const auto& arguments : std::vector<std::vector<std::string>>{{"--help"},
                                                                      {"--help", "render"},
@@ -330,8 +344,11 @@ TEST_F(CommandLine, AWindowIsThosePixelsOfTheWholePicture) {
     for (int x = 0; x < part.width; ++x) part.at(x, y) = whole->at(20 + x, 7 + y);
   for (const auto& [ending, format] : {std::pair{".png", core::ImageFormat::kPng},
                                        {".exr", core::ImageFormat::kExr},
-                                       {".pfm", core::ImageFormat::kPfm}})
-    EXPECT_TRUE(read(std::string("part") + ending) == core::encode_image(part, format, {}).value()) << ending;
+                                       {".pfm", core::ImageFormat::kPfm}}) {
+    const core::ImagePosition window{20, 7, whole->width, whole->height};
+    EXPECT_TRUE(read(std::string("part") + ending) == core::encode_image(part, format, {}, window).value())
+        << ending;
+  }
 }
 
 TEST_F(CommandLine, AWindowOutsideThePictureIsRefused) {
@@ -384,6 +401,36 @@ TEST_F(CommandLine, InfoTellsWhatIsInAScene) {
   EXPECT_EQ(json["files"][0]["path"], "mesh.ply");
   EXPECT_EQ(json["missing"].size(), 0u);
   EXPECT_THAT(run_tessera({"info", path("mesh.ply")}).out, HasSubstr("triangles   1 stored"));
+}
+
+constexpr const char* kTwoSensors = R"(<scene version="3.0.0">
+<sensor type="perspective" id="left"><transform name="to_world"><translate x="-3"/></transform></sensor>
+<sensor type="perspective" id="right"><transform name="to_world"><translate x="3"/></transform></sensor>
+<shape type="sphere"><float name="shine" value="1"/></shape>
+<shape type="sphere"><float name="shine" value="2"/></shape>
+</scene>)";
+
+TEST_F(CommandLine, InfoListsWhatCanBeChosen) {
+  write("room.xml", kTwoSensors);
+  EXPECT_THAT(run_tessera({"info", path("room.xml")}).out, HasSubstr("cameras     0 left, 1 right\n"));
+  const auto info = run_tessera({"info", path("room.xml"), "--camera", "right", "--json"});
+  const auto json = nlohmann::json::parse(info.out);
+  EXPECT_EQ(json["camera"]["position"], nlohmann::json({3, 0, 0}));
+  EXPECT_EQ(json["contents"]["cameras"], nlohmann::json({"left", "right"}));
+  const auto wrong = run_tessera({"info", path("room.xml"), "--camera", "top"});
+  EXPECT_EQ(wrong.exit_status, 1);
+  EXPECT_THAT(wrong.err, HasSubstr("there is no camera 'top'; the file has 0 ('left'), 1 ('right')"));
+  EXPECT_EQ(run_tessera({"info", path("room.xml"), "--animation-time", "soon"}).exit_status, 2);
+}
+
+// A render tells a kind once, and the report each place.
+TEST_F(CommandLine, ImportReportsEachPlace) {
+  write("room.xml", kTwoSensors);
+  const std::string told = "<shape type=\"sphere\">: the parameter 'shine' is ignored";
+  EXPECT_THAT(run_tessera({"info", path("room.xml")}).err, HasSubstr("room.xml:4: " + told + " (2 times)"));
+  const auto report = run_tessera({"import", path("room.xml"), "--report"});
+  EXPECT_THAT(report.out, HasSubstr("room.xml:4: " + told + "\n"));
+  EXPECT_THAT(report.out, HasSubstr("room.xml:5: " + told + "\n"));
 }
 
 TEST_F(CommandLine, InfoListsFilesThatAreMissing) {

@@ -28,7 +28,7 @@ TEST(PictureFiles, EveryPathGetsThePicture) {
   std::vector<std::string> named;
   for (const std::string& path : paths) named.push_back(path + "." + path.substr(path.size() - 3));
   ASSERT_TRUE(check_picture_paths(named));
-  ASSERT_TRUE(write_pictures(named, image, {}));
+  ASSERT_TRUE(write_pictures(named, image, {.width_px = image.width, .height_px = image.height}, {}));
   for (const std::string& path : named) {
     EXPECT_TRUE(core::compare(core::read_image(path).value(), image).value().identical) << path;
     std::filesystem::remove(path);
@@ -52,7 +52,9 @@ TEST(PictureFiles, SizesAreRefusedByTheFormatThatCannotHoldThem) {
 }
 
 TEST(PictureFiles, AFailureNamesThePath) {
-  EXPECT_THAT(write_pictures({"/no/folder/a.png"}, core::Image(1, 1), {}).error().message,
+  EXPECT_THAT(write_pictures({"/no/folder/a.png"}, core::Image(1, 1), {.width_px = 1, .height_px = 1}, {})
+                  .error()
+                  .message,
               HasSubstr("/no/folder/a.png"));
 }
 

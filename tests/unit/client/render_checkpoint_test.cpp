@@ -108,6 +108,7 @@ TEST_F(RenderCheckpoint, OfAnotherRenderIsRefusedWithWhatDiffers) {
       {[](auto& r) { r.settings.max_depth = 4; }, "its max_depth is 0, and not 4"},
       {[](auto& r) { r.settings.clamp_indirect = 2; }, "its clamp_indirect is 0, and not 2"},
       {[](auto& r) { r.settings.filter.radius_px = 2; }, "its filter is box with a radius of 0.5 pixels"},
+      {[](auto& r) { r.settings.layers = core::kAllLayers; }, "its set of layers is none, and not all"},
       {[](auto& r) { r.scene.camera.low ^= 1; }, "the camera of the scene differs"},
       {[](auto& r) { r.scene.shapes.low ^= 1; }, "the shapes of the scene differ"},
       {[](auto& r) { r.scene.environment.high ^= 1; }, "the environment of the scene differs"},
