@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cost of instances: the ratio of rays per second in a two-level scene to those in the same scene
-// flattened. 25 copies of a bumpy body of 69,000 triangles, rotated and scaled, on a plane.
+// flattened. 25 copies of a bumpy body of 69,000 triangles, rotated and scaled, on a plane. Then the samples
+// per second of one body of each material, as a mesh and as an instance of that mesh that stands where it was
+// modelled; and of a scene wholly of instances with a textured layered material.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <ctime>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "bench/soups.hpp"
+#include "core/integrators/render.hpp"
 #include "core/math/transform.hpp"
 #include "core/sampling/sampler.hpp"
+#include "core/scene/scene.hpp"
 
 namespace tessera::core {
 namespace {
@@ -158,9 +165,123 @@ void run() {
   row("shadow", "in batches", rays.shadow, any_in_batches);
 }
 
+// Shading: what an instance costs by its material.
+
+// A checkered picture.
+Texture checks() {
+  constexpr int kChecksSide = 64;
+  std::vector<std::uint8_t> bytes;
+  for (int y = 0; y < kChecksSide; ++y)
+    for (int x = 0; x < kChecksSide; ++x)
+      for (const int dark : {40, 90, 20})
+        bytes.push_back(static_cast<std::uint8_t>((x / 4 + y / 4) % 2 == 0 ? 220 : dark));
+  return {.image = std::make_shared<TextureImage>(kChecksSide, kChecksSide, bytes), .scale = {4, 4}};
+}
+
+MeshDescription mesh_of(const Soup& body) {
+  MeshDescription mesh;
+  mesh.positions = body.positions;
+  mesh.triangles = body.triangles;
+  mesh.triangle_materials = {0};
+  for (const Vec3 p : body.positions) mesh.uvs.push_back({p.x, p.y + p.z});
+  return mesh;
+}
+
+// A body on a plane under a lamp and an even sky. Texture 0 is the checks.
+SceneDescription lit_scene(const Material& material) {
+  constexpr float w = 2 * kHalf;
+  SceneDescription scene;
+  scene.settings = {.width_px = 256, .height_px = 256};
+  scene.camera = {.position = {0, 1.5f, 4}, .look_at = {0, 1, 0}};
+  scene.textures = {checks()};
+  scene.materials = {material, {.name = "lamp", .model = Lambert{}, .emission = {{20, 20, 20}}}};
+  scene.shapes = {QuadDescription{{-w, -1, w}, {2 * w, 0, 0}, {0, 0, -2 * w}, 0},
+                  SphereDescription{{4, 8, 4}, 1, 1}};
+  scene.environment = EnvironmentDescription{.radiance = {Rgb::gray(0.5f)}};
+  return scene;
+}
+
+SceneDescription with_mesh(const Material& material, const MeshDescription& mesh) {
+  SceneDescription scene = lit_scene(material);
+  scene.shapes.push_back(mesh);
+  return scene;
+}
+
+SceneDescription with_instances(const Material& material, const MeshDescription& mesh,
+                                const std::vector<Transform>& transforms) {
+  SceneDescription scene = lit_scene(material);
+  scene.objects = {{.name = "body", .shapes = {mesh}, .shape_names = {}}};
+  for (const Transform& transform : transforms)
+    scene.shapes.push_back(InstanceDescription{.object = 0, .to_world = transform, .material = std::nullopt});
+  return scene;
+}
+
+std::vector<Material> materials() {
+  const Principled textured{.base_color = {Rgb::gray(1), 0}, .specular_roughness = {0.5f, 0}};
+  Principled coated = textured;
+  coated.coat_weight = 0.5f;
+  coated.base_metalness = 0.5f;
+  return {{.name = "lambert", .model = Lambert{}},
+          {.name = "lambert, textured", .model = Lambert{{Rgb::gray(1), 0}}},
+          {.name = "lambert, normal map", .model = Lambert{}, .normal_map = {0, 0.2f}},
+          {.name = "cook_torrance", .model = CookTorrance{.diffuse = {Rgb::gray(0.4f)}}},
+          {.name = "phong", .model = Phong{}},
+          {.name = "phong, specular 0", .model = Phong{.specular = {Rgb{}}}},
+          {.name = "plastic", .model = Plastic{.roughness = 0.4f}},
+          {.name = "conductor", .model = ConductorMaterial{.k = {Rgb::gray(4)}, .roughness = 0.4f}},
+          {.name = "principled", .model = Principled{}},
+          {.name = "principled, textured", .model = textured},
+          {.name = "principled, coat and metal", .model = coated},
+          {.name = "diffuse_transmission", .model = DiffuseTransmission{}},
+          {.name = "glass, rough", .model = Glass{.roughness = 0.4f}},
+          {.name = "mirror", .model = Mirror{}}};
+}
+
+// The medians of the samples per second of each scene, by one thread, in interleaved runs.
+std::vector<double> mega_samples_per_second(const std::vector<Scene>& scenes, int rounds) {
+  constexpr std::uint32_t kSamples = 4;
+  std::vector<std::vector<double>> seconds(scenes.size());
+  for (int round = 0; round < rounds; ++round)
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      const RenderSettings& settings = scenes[i].settings();
+      const double begin = cpu_seconds();
+      render(scenes[i], settings, {0, 0, settings.width_px, settings.height_px}, {0, kSamples}, 1);
+      seconds[i].push_back(cpu_seconds() - begin);
+    }
+  std::vector<double> speeds;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    auto& all = seconds[i];
+    std::nth_element(all.begin(), all.begin() + rounds / 2, all.end());
+    const RenderSettings& settings = scenes[i].settings();
+    speeds.push_back(settings.width_px * settings.height_px * static_cast<double>(kSamples) / 1e6 /
+                     all[static_cast<std::size_t>(rounds) / 2]);
+  }
+  return speeds;
+}
+
+void compare_shading() {
+  constexpr int kShadingRounds = 5;
+  const MeshDescription mesh = mesh_of(blobs(1, kRows));
+  fmt::print("| material | mesh, M samples/s | identity instance | time ratio |\n|---|---|---|---|\n");
+  for (const Material& material : materials()) {
+    std::vector<Scene> scenes;
+    scenes.push_back(Scene::build(with_mesh(material, mesh), 2).value());
+    scenes.push_back(Scene::build(with_instances(material, mesh, {Transform{}}), 2).value());
+    const auto speeds = mega_samples_per_second(scenes, kShadingRounds);
+    fmt::print("| {} | {:.3f} | {:.3f} | {:.2f} |\n", material.name, speeds[0], speeds[1],
+               speeds[0] / speeds[1]);
+  }
+  const Material textured = materials()[9];
+  std::vector<Scene> scenes;
+  scenes.push_back(Scene::build(with_instances(textured, mesh, placements()), 2).value());
+  fmt::print("25 instances, {}: {:.3f} M samples/s\n", textured.name,
+             mega_samples_per_second(scenes, kShadingRounds)[0]);
+}
+
 }  // namespace
 }  // namespace tessera::core
 
 int main() {
+  tessera::core::compare_shading();
   tessera::core::run();
 }

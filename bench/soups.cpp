@@ -62,24 +62,40 @@ void add_blob(Soup& soup, int rows, Vec3 center, float size, float turn) {
   });
 }
 
-// A ribbon that starts on a ball of radius 1 and bends randomly and downwards, but not below y = 0.
-void add_strand(Soup& soup, int number, Vec3 center) {
-  constexpr int kSegments = 10;
-  constexpr float kStep = 0.12f, kHalfWidth = 0.003f, kCurl = 0.22f, kWeight = 0.12f;
+constexpr int kStrands = 15'000, kStrandSegments = 10;
+constexpr float kStrandHalfWidth = 0.003f;
+constexpr Vec3 kStrandsCenter{0, 1.5f, 0};
+
+// The joints of a strand that starts on a ball of radius 1 and bends randomly and downwards, but not below y
+// = 0, and a vector across it of its half width.
+struct Strand {
+  std::vector<Vec3> joints;
+  Vec3 side;
+};
+
+Strand strand(int number) {
+  constexpr float kStep = 0.12f, kCurl = 0.22f, kWeight = 0.12f;
   const auto u = Sampler(2, number, 0, 0).pad(0);
   Vec3 direction = sample_sphere({u[0], u[1]});
   const float turn = 2 * kPi * u[2];
-  const Vec3 side = Frame::around(direction).to_world({cos(turn), sin(turn), 0}) * kHalfWidth;
-  const auto first = static_cast<std::uint32_t>(soup.positions.size());
-  Vec3 joint = center + direction;
-  for (int i = 0; i <= kSegments; ++i) {
-    soup.positions.insert(soup.positions.end(), {joint - side, joint + side});
+  Strand made{{}, Frame::around(direction).to_world({cos(turn), sin(turn), 0}) * kStrandHalfWidth};
+  Vec3 joint = kStrandsCenter + direction;
+  for (int i = 0; i <= kStrandSegments; ++i) {
+    made.joints.push_back(joint);
     const auto v = Sampler(2, number, 1 + i, 0).pad(0);
     direction = normalize(direction + sample_sphere({v[0], v[1]}) * kCurl - Vec3{0, kWeight, 0});
     joint = joint + direction * kStep;
     joint.y = std::max(joint.y, 0.01f);
   }
-  for (std::uint32_t i = first; i < first + 2 * kSegments; i += 2) {
+  return made;
+}
+
+// A ribbon of triangles.
+void add_strand(Soup& soup, int number) {
+  const auto first = static_cast<std::uint32_t>(soup.positions.size());
+  const auto [joints, side] = strand(number);
+  for (const Vec3 joint : joints) soup.positions.insert(soup.positions.end(), {joint - side, joint + side});
+  for (std::uint32_t i = first; i < first + 2 * kStrandSegments; i += 2) {
     soup.triangles.push_back({i, i + 1, i + 3});
     soup.triangles.push_back({i, i + 3, i + 2});
   }
@@ -173,8 +189,22 @@ Soup go_board() {
 
 Soup strands() {
   Soup soup;
-  for (int number = 0; number < 15'000; ++number) add_strand(soup, number, {0, 1.5f, 0});
+  for (int number = 0; number < kStrands; ++number) add_strand(soup, number);
   return soup;
+}
+
+// Splines that begin and end in the first and the last joint.
+CurveStrands strand_curves() {
+  CurveStrands curves{CurveBasis::kBSpline, CurveShape::kRound, {}, {kStrandHalfWidth}, {}, {}};
+  for (int number = 0; number < kStrands; ++number) {
+    const std::vector<Vec3> joints = strand(number).joints;
+    const std::size_t last = joints.size() - 1;
+    curves.points.push_back(2 * joints[0] - joints[1]);
+    curves.points.insert(curves.points.end(), joints.begin(), joints.end());
+    curves.points.push_back(2 * joints[last] - joints[last - 1]);
+    curves.counts.push_back(static_cast<std::uint32_t>(joints.size()) + 2);
+  }
+  return curves;
 }
 
 Soup strands_on_plane() {

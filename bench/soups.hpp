@@ -38,6 +38,9 @@ Soup go_board();
 // boxes overlap strongly.
 Soup strands();
 
+// The same strands as curves: 150,000 segments.
+CurveStrands strand_curves();
+
 // The same above a plane.
 Soup strands_on_plane();
 
