@@ -23,8 +23,8 @@ after(async () => {
 const readPixels = (page) =>
   page.evaluate(([w, h]) => window.tessera.readPixels(0, 0, w, h), [kWidth, kHeight]);
 
-async function assertHalvesOfExr(page, id, image = 0) {
-  const exr = readExr(await farm.api(`jobs/${id}/image?format=exr&image=${image}`));
+async function assertHalvesOfExr(page, id, image = 0, layer = '') {
+  const exr = readExr(await farm.api(`jobs/${id}/image?format=exr&image=${image}&layer=${layer}`));
   assert.deepEqual([exr.width, exr.height], [kWidth, kHeight]);
   const expected = Array.from(exr.halves);
   // The last tiles may be under way.
@@ -72,6 +72,32 @@ test('each image of a job with several', async () => {
   await page.getByRole('button', {name: 'Download the image'}).click();
   const link = page.getByRole('menuitem', {name: 'OpenEXR, linear'});
   assert.match(await link.getAttribute('href'), /image=1/);
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+});
+
+test('each layer of a job', async () => {
+  const id = await farm.submit(['--size', `${kWidth}x${kHeight}`, '--spp', '4', '--layers', 'albedo,depth']);
+  await farm.waitForState(id, 'done');
+  const page = await openJob(browser, farm, id);
+  const chooser = page.getByLabel('Layer', {exact: true});
+  assert.deepEqual(await chooser.locator('option').allTextContents(), ['Beauty', 'Albedo', 'Depth']);
+  const asked = page.waitForRequest((request) => /tiles\?.*layer=albedo/.test(request.url()));
+  await chooser.selectOption('albedo');
+  await asked;
+  await showPixels(page, kWidth, kHeight);
+  await assertHalvesOfExr(page, id, 0, 'albedo');
+  await page.locator('.viewer').focus();
+  await page.keyboard.press('l');
+  assert.equal(await chooser.inputValue(), 'depth');
+  await page.keyboard.press('Shift+ArrowRight');
+  const {layer} = await farm.api(`jobs/${id}/pixel?x=${kWidth / 2 + 1}&y=${kHeight / 2}&layer=depth`);
+  assert.deepEqual(layer.channels, ['Depth.Z']);
+  await page.waitForFunction(() => /Z .*4 samples/.test(document.querySelector('.readout-text').textContent));
+  await page.keyboard.press('l');
+  assert.equal(await chooser.inputValue(), '', 'after the last one comes the beauty');
+  await showPixels(page, kWidth, kHeight);
+  await assertHalvesOfExr(page, id);
   assert.deepEqual(page.errors, []);
   await page.context().close();
 });

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// An image file: as a texture in both colour spaces, its alpha, and as `tessera compare` reads it.
+// An image file: as a texture in both colour spaces, its alpha, and as `tessera compare` reads it and its
+// layers; the texts in its header.
 #include <string>
 #include <vector>
 
 #include "core/image/decode.hpp"
+#include "core/image/exr_header.hpp"
 #include "core/textures/image_decoder.hpp"
 #include "tests/fuzz/expect.hpp"
 #include "tests/fuzz/parts.hpp"
@@ -25,8 +27,8 @@ void decode_as_texture(std::string_view bytes, core::ColorSpace color_space,
   expect(mean.r <= largest.r * 1.001f, "no mean is above the largest");
 }
 
-void decode_as_picture(std::string_view bytes) {
-  const auto image = core::decode_image(bytes);
+void decode_as_picture(std::string_view bytes, const std::string& layer = {}) {
+  const auto image = core::decode_image(bytes, layer);
   if (!expect_answer(image)) return;
   const auto width = static_cast<std::size_t>(image->width), height = static_cast<std::size_t>(image->height);
   expect(image->pixels.size() == width * height, "as many pixels as the size says");
@@ -42,5 +44,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::decode_as_texture(bytes, core::ColorSpace::kLinear);
   fuzz::decode_as_texture(bytes, core::ColorSpace::kLinear, core::TextureChannel::kAlpha);
   fuzz::decode_as_picture(bytes);
+  for (const char* const layer : {"Normal", "view.combined", "A"}) fuzz::decode_as_picture(bytes, layer);
+  fuzz::expect_answer(core::exr_texts(bytes));
   return 0;
 }

@@ -106,6 +106,35 @@ scene textures <<'EOF'
             {"type": "quad", "corner": [0, 0, -9], "edge_u": [9, 0, 0], "edge_v": [0, 9, 0], "material": "r"}],
  "environment": {"texture": "sky", "rotation_degrees": 45}}
 EOF
+cat >"$work/c.ply" <<'EOF'
+ply
+format ascii 1.0
+element vertex 4
+property float x
+property float y
+property float z
+property float radius
+element curve 1
+property uint points
+end_header
+0 0 0 1
+0 1 0 1
+1 1 0 1
+2 1 0 0
+4
+EOF
+seed mesh curves <"$work/c.ply"
+{ cat <<'EOF'
+{"camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]},
+ "materials": {"m": {"type": "hair", "reflectance": [0.9, 0.5, 0.1], "beta_m": 0.2, "tilt_degrees": 3},
+               "n": {"type": "hair", "eumelanin": 1, "pheomelanin": 2}},
+ "shapes": [{"type": "curves", "material": "m", "points": [[[0, 0, 0, 0.1], [0, 1, 0, 0.2], [1, 1, 0, 0.1], [1, 2, 0, 0]]]},
+            {"type": "curves", "material": "n", "basis": "linear", "shape": "ribbon", "radius": 0.1,
+             "points": [[[0, 0, 0], [0, 1, 1]]], "normals": [[[0, 0, 1], [0, 1, 0]]], "transform": [{"scale": 2}]},
+            {"type": "curves", "material": "m", "basis": "bezier", "shape": "flat", "file": "c.ply"}],
+ "environment": {"radiance": 1}}
+EOF
+part c.ply; cat "$work/c.ply"; } | seed scene curves
 for integrator in naive nee whitted; do
   sed "s/\"spp\": 1/\"spp\": 1, \"integrator\": \"$integrator\", \"filter\": \"gaussian\", \"max_depth\": 5/" \
     "$work/box.json" | seed scene $integrator
@@ -203,6 +232,25 @@ gltf skin <<'EOF'
  "materials": [{"extensions": {"KHR_materials_unlit": {}}}]}
 EOF
 
+{ cat <<'EOF'
+<scene version="3.0.0">
+<shape type="bsplinecurve"><string name="filename" value="hair.txt"/><bsdf type="hair"/></shape>
+<shape type="linearcurve"><string name="filename" value="hair.txt"/><bsdf type="hair"><rgb name="sigma_a" value="1"/></bsdf></shape>
+<emitter type="constant"/></scene>
+EOF
+part hair.txt; cat <<'EOF'
+0 0 0 0.1
+0 1 0 0.1
+0 2 0 0.1
+0 3 1 0
+
+1 0 0 .2
+1 1 0 .2
+1 2 0 .2
+1 3 0 .2
+EOF
+} | seed mitsuba curves
+
 # ---- pbrt ----
 pbrt() { { cat; part parts/a.pbrt; printf 'Translate 0 0 1\nMakeNamedMaterial "m" "string type" "conductor" "float roughness" 0.1\n'; part x.png; cat "$work/x.png"; } | seed pbrt "$1"; }
 pbrt shapes <<'EOF'
@@ -246,6 +294,14 @@ MakeNamedMaterial "a" "string type" "dielectric" "spectrum eta" "glass-BK7"
 MakeNamedMaterial "b" "string type" "diffusetransmission"
 Attribute "material" "string materials" ["a" "b"]
 Material "mix" "float amount" 0.3 Shape "cylinder" "float phimax" 90
+EOF
+
+pbrt curves <<'EOF'
+WorldBegin
+Material "hair" "float eumelanin" 1 "float beta_n" 0.4
+Shape "curve" "string type" "cylinder" "point3 P" [0 0 0 1 0 0 1 1 0 1 1 1] "float width0" 0.2 "float width1" 0
+Shape "curve" "string basis" "bspline" "integer degree" 2 "point3 P" [0 0 0 1 0 0 1 1 0 1 1 1] "float width" 0.2
+Shape "curve" "string type" "ribbon" "point3 P" [0 0 0 1 0 0 1 1 0 1 1 1] "normal N" [0 0 1 1 0 0]
 EOF
 
 # ---- Pictures ----

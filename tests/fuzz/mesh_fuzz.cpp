@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A PLY or STL file, and the mesh that is made of it in each way of computing normals.
+// A PLY or STL file, the curves of a PLY file, and the mesh that is made of it in each way of computing
+// normals.
 #include "core/scene/import/indexed_mesh.hpp"
+#include "core/scene/loader/curve_file.hpp"
 #include "core/scene/loader/gunzip.hpp"
 #include "core/scene/loader/mesh_file.hpp"
 #include "tests/fuzz/expect.hpp"
@@ -22,6 +24,12 @@ void expect_sound(const core::MeshDescription& mesh) {
 
 void read_and_build(std::string_view input) {
   const bool is_ply = input.starts_with("ply") || core::is_gzip(input);
+  if (is_ply) {
+    const auto strands = core::read_curve_file(input, "x.ply");
+    if (expect_answer(strands))
+      expect(strands->radii.empty() || strands->radii.size() == strands->points.size(),
+             "a radius for each point, or none");
+  }
   const auto file = is_ply ? core::read_ply(input, "x.ply", {}, core::MeshAttributes::kKeep)
                            : core::read_stl(input, "x.stl");
   if (!expect_answer(file)) return;

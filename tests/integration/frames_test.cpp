@@ -18,8 +18,8 @@ std::string bytes_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// A triangle that turns under a lamp that moves, seen by a camera on its way. The mesh is far larger than the
-// scene file.
+// A triangle that turns and takes another colour under a lamp that moves, seen by a camera on its way. The
+// mesh is far larger than the scene file.
 void write_turntable(const std::filesystem::path& folder) {
   std::ofstream obj(folder / "large.obj");
   obj << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -27,8 +27,9 @@ void write_turntable(const std::filesystem::path& folder) {
   std::ofstream(folder / "turn.json") << R"({
   "render": {"width": 90, "height": 70, "spp": 3},
   "camera": {"position": {"keyframes": [{"frame": 1, "value": [0, 1, 4]}, {"frame": 13, "value": [1, 1, 4]}]},
-             "look_at": [0, 0, 0]},
-  "materials": {"clay": {"type": "lambert", "albedo": [0.8, 0.4, 0.2]}},
+             "look_at": [0, 0, 0], "shutter": [0, 0.5]},
+  "materials": {"clay": {"type": "lambert", "albedo": {"keyframes": [{"frame": 1, "value": [0.8, 0.4, 0.2]},
+                                                                     {"frame": 13, "value": [0.2, 0.4, 0.8]}]}}},
   "environment": {"radiance": 0.3},
   "lights": [{"type": "point", "position": {"keyframes": [{"frame": 1, "value": [0, 3, 2]},
                                                           {"frame": 13, "value": [2, 3, 0]}]}, "intensity": 9}],
@@ -82,6 +83,31 @@ TEST_F(Frames, OfAJobHaveTheBytesOfALocalRender) {
   // The scene is stored once.
   EXPECT_EQ(stored_bytes(),
             std::filesystem::file_size(scene()) + std::filesystem::file_size(file("large.obj")));
+}
+
+TEST_F(Frames, WithLayersHaveTheBytesOfALocalRender) {
+  start_coordinator();
+  start_worker("one", 1);
+  start_worker("two", 2);
+  const std::vector<std::string> more{"--frames", "1,4", "--layers", "all", "-o"};
+  std::vector<std::string> submit{"submit", scene(), "--wait"}, render{"render", scene()};
+  submit.insert(submit.end(), more.begin(), more.end());
+  render.insert(render.end(), more.begin(), more.end());
+  submit.push_back(file("farm.#.exr"));
+  render.push_back(file("here.#.exr"));
+  const Outcome submitted = tessera(submit);
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.err;
+  ASSERT_EQ(tessera(render).exit_code, 0);
+  for (const char* number : {"1", "4"}) {
+    const std::string image = bytes_of(file(std::string("farm.") + number + ".exr"));
+    EXPECT_THAT(image, HasSubstr("CryptoObject00.r"));
+    EXPECT_TRUE(image == bytes_of(file(std::string("here.") + number + ".exr"))) << "frame " << number;
+  }
+  const std::string id = jobs().at(0).id();
+  ASSERT_EQ(tessera({"image", id, "--layer", "normal", "-o", file("normal.pfm")}).exit_code, 0);
+  const Outcome none = tessera({"image", id, "--layer", "normals", "-o", file("none.pfm")});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.err, HasSubstr("layer: must be one of alpha, direct"));
 }
 
 TEST_F(Frames, AreFetchedByTheirNumbers) {

@@ -2,13 +2,18 @@
 // Coordinator and worker under a service manager: its socket, its journal, and files of options.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <signal.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "core/base/open_file.hpp"
 #include "tests/integration/processes.hpp"
 #include "tests/support/notify_socket.hpp"
 
@@ -19,6 +24,35 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 constexpr auto kTimeout = std::chrono::seconds(60);
+
+// A socket that listens on the loopback address, at this descriptor, for child processes.
+class PassedOn {
+ public:
+  explicit PassedOn(int descriptor) : descriptor_(descriptor) {
+    const core::OpenFile socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    auto* const any = reinterpret_cast<sockaddr*>(&address);
+    if (::bind(socket.get(), any, size) != 0 || ::listen(socket.get(), 16) != 0 ||
+        ::getsockname(socket.get(), any, &size) != 0 || ::dup2(socket.get(), descriptor) < 0)
+      throw std::runtime_error("cannot listen on the loopback address");
+    port_ = ntohs(address.sin_port);
+  }
+  ~PassedOn() { ::close(descriptor_); }
+  PassedOn(const PassedOn&) = delete;
+  PassedOn& operator=(const PassedOn&) = delete;
+  int port() const { return port_; }
+  bool listens() const {
+    int accepts = 0;
+    socklen_t size = sizeof accepts;
+    return ::getsockopt(descriptor_, SOL_SOCKET, SO_ACCEPTCONN, &accepts, &size) == 0 && accepts != 0;
+  }
+
+ private:
+  int descriptor_, port_ = 0;
+};
 
 class ServiceTest : public ::testing::Test {
  protected:
@@ -74,6 +108,23 @@ TEST_F(ServiceTest, AWorkerTellsItsManagerHowItDoes) {
   worker->signal(SIGTERM);
   EXPECT_TRUE(manager_.receives("STOPPING=1"));
   EXPECT_EQ(worker->wait(kTimeout), 0);
+}
+
+// Descriptors 8 and 9, which a shell moves to where a manager passes them on.
+TEST_F(ServiceTest, ACoordinatorListensAtTheSocketsOfItsManager) {
+  const PassedOn grpc(8), page(9);
+  const std::string script =
+      "LISTEN_PID=$$ LISTEN_FDS=2 LISTEN_FDNAMES=grpc:http exec \"$0\" \"$@\" 3<&8 4<&9 8<&- 9<&-";
+  const auto coordinator = start("/bin/sh", {"-c", script, TESSERA_COORDINATOR_PROGRAM, "--state",
+                                             folder_ / "state", "--listen", "127.0.0.1:1"});
+  EXPECT_EQ(manager_.receive(), "READY=1") << coordinator->err();
+  EXPECT_THAT(coordinator->out(), HasSubstr("listening on 127.0.0.1:" + std::to_string(grpc.port()) + "\n"));
+  EXPECT_THAT(coordinator->out(), HasSubstr("http://127.0.0.1:" + std::to_string(page.port()) + "/"));
+  EXPECT_EQ(run({TESSERA_CLIENT, "jobs", "--coordinator", "127.0.0.1:" + std::to_string(grpc.port())}).first,
+            0);
+  coordinator->signal(SIGTERM);
+  EXPECT_EQ(coordinator->wait(kTimeout), 0);
+  EXPECT_TRUE(grpc.listens() && page.listens()) << "for the next start";
 }
 
 TEST_F(ServiceTest, FilesOfOptionsAreRead) {

@@ -140,6 +140,29 @@ def selector_of(manifest):
     return spec.get("selector", {}).get("matchLabels")
 
 
+def policy_peers(manifest):
+    """The selectors of a network policy's pods and peers, each with the ports that it lets in there."""
+    spec = manifest["spec"]
+    for rule in spec.get("ingress", []):
+        yield spec["podSelector"].get("matchLabels"), rule.get("ports", [])
+    for rule in spec.get("egress", []):
+        for peer in rule.get("to", []):
+            if "namespaceSelector" not in peer and "podSelector" in peer:
+                yield peer["podSelector"].get("matchLabels"), rule.get("ports", [])
+
+
+def check_ports(policy, workloads, where):
+    """Ports by name are those of the pods that a network policy selects."""
+    faults = []
+    for selector, ports in policy_peers(policy):
+        pods = [m["spec"]["template"] for m in workloads
+                if selector and selector.items() <= m["spec"]["template"]["metadata"]["labels"].items()]
+        known = {port.get("name") for pod in pods for c in pod["spec"]["containers"] for port in c.get("ports", [])}
+        faults += [f"{where}: {policy['metadata']['name']} names port {port['port']}, which those pods have not"
+                   for port in ports if isinstance(port.get("port"), str) and port["port"] not in known]
+    return faults
+
+
 def check_set(manifests, where):
     """Whole sets, as kustomize makes them."""
     workloads = [m for m in manifests if m["kind"] in ("Deployment", "StatefulSet")]
@@ -149,6 +172,8 @@ def check_set(manifests, where):
         selector = selector_of(manifest)
         if selector and not any(selector.items() <= pod.items() for pod in labels):
             faults.append(f"{where}: {manifest['kind']} {manifest['metadata']['name']} selects no pods")
+        if manifest["kind"] == "NetworkPolicy":
+            faults += check_ports(manifest, workloads, where)
         target = manifest.get("spec", {}).get("scaleTargetRef")
         if target and target["name"] not in [m["metadata"]["name"] for m in workloads]:
             faults.append(f"{where}: {manifest['kind']} scales {target['name']}, which is not there")

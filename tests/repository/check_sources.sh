@@ -55,8 +55,8 @@ forbid "The sandbox includes of core only base, cli and the scene loader." \
 forbid "No other part of core includes the sandbox." "${include}core/sandbox/" --but '^core/sandbox/' "${sources[@]}" core
 forbid "A worker includes neither server nor client." "${include}(server|client)/" "${sources[@]}" worker
 forbid "A client includes neither server nor worker." "${include}(server|worker)/" "${sources[@]}" client
-forbid "The server includes of core only base, cli, common, film, http, image, math, sandbox, view and scene/settings.hpp; the validator may load scenes." \
-  "${include}core/" --but '^server/validator/|[<"]core/(base|cli|common|film|http|image|math|sandbox|view)/|[<"]core/scene/settings\.hpp' \
+forbid "The server includes of core only base, cli, common, film, http, image, math, sandbox, view, scene/settings.hpp and scene/render_record.hpp; the validator may load scenes." \
+  "${include}core/" --but '^server/validator/|[<"]core/(base|cli|common|film|http|image|math|sandbox|view)/|[<"]core/scene/(settings|render_record)\.hpp' \
   "${sources[@]}" server
 forbid "The scheduler includes neither RPC nor SQLite, nor any other folder of the server." \
   "${include}(grpc|google/protobuf|tessera/v1|proto/|sqlite3|server/(base|events|blobs|store|film|farm|jobs|dispatch|fleet|watch|admin|auth|rpc|scaling|metrics|validator|coordinator|main))" \

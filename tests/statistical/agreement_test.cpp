@@ -2,7 +2,10 @@
 // The strategies of path tracing differ in noise alone: region by region, they agree in expectation.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "tests/statistical/agreement.hpp"
 #include "tests/support/test_scenes.hpp"
@@ -87,6 +90,26 @@ TEST(Strategies, AgreeUnderLightsOfEveryKind) {
       DirectionalLightDescription{{1, -1, -0.5f}, {0.3f, 0.4f, 0.5f}}};
   maker.description().environment = {{Rgb::gray(0.5f), 1}, 40};
   expect_strategies_agree(maker.description());
+}
+
+// A sky of which BSDF samples find most: with a small sun, without, and both beside a lamp.
+TEST(Strategies, AgreeUnderASkyWithASmallSun) {
+  for (const bool with_sun : {true, false}) {
+    test::SceneMaker maker({.position = {0, 2, 6}, .look_at = {0, 0.5f, 0}});
+    std::vector<float> texels(std::size_t{3} * 32 * 16, 0.5f);
+    if (with_sun) std::fill_n(texels.begin() + 3 * (32 * 4 + 19), 3, 60.0f);
+    maker.description().textures = {
+        {.image = std::make_shared<TextureImage>(TextureImage{32, 16, std::move(texels)})}};
+    maker.description().environment = {{Rgb::gray(0.8f), 0}};
+    maker.add(QuadDescription{{-3, 0, 3}, {6, 0, 0}, {0, 0, -6}, maker.material(test::lambert(0.6f))});
+    maker.add(SphereDescription{{-1.2f, 0.7f, 0}, 0.7f, maker.material(Glass{.roughness = 0.5f})});
+    maker.add(
+        SphereDescription{{1.2f, 0.7f, 0},
+                          0.7f,
+                          maker.material(CookTorrance{.specular = {Rgb::gray(0.5f)}, .roughness = 0.4f})});
+    maker.add(SphereDescription{{0, 2.2f, 0}, 0.3f, maker.material(test::lambert(0), {4, 3, 2})});
+    expect_strategies_agree(maker.description());
+  }
 }
 
 // A hundred lamps of a few facets each, some turned away, over a floor with a frosted ball.

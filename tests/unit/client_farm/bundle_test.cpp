@@ -99,6 +99,25 @@ TEST(Bundle, RefusesTwoFilesOfOneName) {
   EXPECT_NE(local.error().message.find("rename one of them"), std::string::npos) << local.error().message;
 }
 
+// A choice is a part of the scene file that is sent.
+TEST(Bundle, CarriesTheChoiceOfACamera) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.path() / "scene.xml", sent = folder.path() / "sent.xml";
+  std::ofstream(scene) << "<scene version='3.0.0'><shape type='sphere'/><sensor type='perspective'/>"
+                          "<sensor type='perspective' id='right'><transform name='to_world'>"
+                          "<translate x='3'/></transform></sensor></scene>";
+  const auto local = bundle_scene(scene, {.parameters = {core::select_by_name("camera", "right")}});
+  ASSERT_TRUE(local) << local.error().message;
+  ASSERT_TRUE(local->scene_text);
+  EXPECT_EQ(proto::from_proto(local->bundle.assets(0).digest()).value(),
+            proto::digest_of(*local->scene_text));
+  std::ofstream(sent) << *local->scene_text;
+  core::BundleAssets assets = bundle_at({{"scene.xml", sent}});
+  const auto there = core::load_scene(assets, "scene.xml", "scene.xml");
+  ASSERT_TRUE(there) << there.error().message;
+  EXPECT_EQ(there->camera.position.x, 3);
+}
+
 TEST(Bundle, ChecksOverrides) {
   core::RenderOverrides overrides;
   overrides.width_px = 0;

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <utility>
+#include <variant>
 
 #include "core/integrators/render.hpp"
 #include "tests/support/test_scenes.hpp"
@@ -74,6 +76,61 @@ TEST(CausticGuide, PhotonsAreFiniteAndOnMattSurfaces) {
     ASSERT_GE(dot(photon.wi, photon.side_normal), 0);
     ASSERT_GT(length(photon.position - Vec3{0.45f, 0.35f, 0.2f}), 0.35f) << "on the glass";
   }
+}
+
+double flux_of_photons(const SceneDescription& description) {
+  double flux = 0;
+  for (const Photon& photon : trace_caustic_photons(Scene::build(description, 1).value(), 1))
+    flux += static_cast<double>(photon.flux);
+  return flux;
+}
+
+TEST(CausticGuide, InstancesCastTheCausticsOfWhatTheyShow) {
+  const double expected = flux_of_photons(test::room());
+  SceneDescription room = test::room();
+  room.objects = {{"room", std::move(room.shapes), {}}};
+  room.shapes = {
+      InstanceDescription{0, compose(translation({5, 1, 0}), rotation({1, 2, 3}, 50)), std::nullopt}};
+  EXPECT_NEAR(flux_of_photons(room), expected, 0.03 * expected);
+}
+
+// Beside an object of glass only, of which an instance shows mirrors.
+TEST(CausticGuide, TheMaterialOfAnInstanceDecides) {
+  SceneDescription room = test::room();
+  const double expected = flux_of_photons(room);
+  ShapeDescription& mirror = room.shapes[6];
+  const ShapeDescription ball = std::exchange(mirror, SphereDescription{{-0.5f, 50, -0.4f}, 0.1f, 0});
+  room.objects = {{"ball", {ball}, {}}};
+  room.shapes.push_back(InstanceDescription{0, {}, 0u});
+  EXPECT_LT(flux_of_photons(room), 0.9 * expected) << "a white ball";
+  room.shapes.back() = InstanceDescription{0, {}, std::nullopt};
+  EXPECT_NEAR(flux_of_photons(room), expected, 0.03 * expected) << "the mirror ball";
+}
+
+// Mirrors that lie and that stand, whose areas grow by different factors.
+TEST(CausticGuide, UnevenlyScaledInstancesCastAsMuchLight) {
+  const Transform stretched = scaling({2, 0.5f, 1});
+  const auto mirrors = [](const Transform& place, std::uint32_t material) {
+    MeshDescription mesh{.positions = {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}, {0, 2, 0}, {0, 2, 1}},
+                         .normals = {},
+                         .uvs = {},
+                         .triangles = {{0, 2, 1}, {0, 3, 2}, {0, 4, 5}, {0, 5, 3}},
+                         .triangle_materials = {material}};
+    for (Vec3& position : mesh.positions) position = place.point(position);
+    return mesh;
+  };
+  test::SceneMaker maker({.position = {3, 2, 3}, .look_at = {}});
+  const auto mirror = maker.material(Mirror{});
+  maker.add(QuadDescription{{-5, -0.1f, 5}, {10, 0, 0}, {0, 0, -10}, maker.material(test::lambert(0.5f))});
+  maker.add(QuadDescription{{-5, 6, 5}, {0, 0, -10}, {10, 0, 0}, maker.material(test::lambert(0.5f))});
+  maker.add(SphereDescription{{3, 3, 2}, 0.3f, maker.material(test::lambert(0), {9, 9, 9})});
+  SceneDescription plain = maker.description(), instanced = maker.description();
+  plain.shapes.push_back(mirrors(stretched, mirror));
+  instanced.objects = {{"mirrors", {mirrors({}, mirror)}, {}}};
+  instanced.shapes.push_back(InstanceDescription{0, stretched, std::nullopt});
+  const double expected = flux_of_photons(plain);
+  EXPECT_GT(expected, 0);
+  EXPECT_NEAR(flux_of_photons(instanced), expected, 0.02 * expected);
 }
 
 }  // namespace

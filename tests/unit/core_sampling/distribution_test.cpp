@@ -21,6 +21,21 @@ TEST(DiscreteDistribution, SamplesInProportionToWeightAndNeverWeightZero) {
   EXPECT_EQ(distribution.pmf(2), 0);
 }
 
+TEST(DiscreteDistribution, LeavesARestThatIsUniform) {
+  const DiscreteDistribution distribution({0, 3, 0, 1, 4});
+  const auto expect = [&](double u, std::size_t index, double rest) {
+    const auto sample = distribution.sample_and_rest(u);
+    EXPECT_EQ(sample.index, index) << u;
+    EXPECT_NEAR(sample.rest, rest, 1e-12) << u;
+  };
+  expect(0, 1, 0);
+  expect(0.25, 1, 2.0 / 3);
+  expect(0.4375, 3, 0.5);
+  expect(0.5, 4, 0);
+  EXPECT_LT(distribution.sample_and_rest(1 - 0x1p-53).rest, 1);
+  EXPECT_EQ(DiscreteDistribution({7}).sample_and_rest(0.3).rest, 0.3);
+}
+
 TEST(DiscreteDistribution, LargestNumberStaysInside) {
   const DiscreteDistribution distribution({0.1, 0.7, 0.3, 0});
   EXPECT_EQ(distribution.sample(std::nextafter(1.0, 0.0)), 2u);
