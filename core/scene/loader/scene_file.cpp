@@ -24,7 +24,9 @@ constexpr Bounds kShutter{[](double v) { return std::fabs(v) <= double{kMaxShutt
                           "between -1000 and 1000 frames"};
 
 void read_shutter(const Field& field, CameraDescription& camera) {
+  const std::size_t mistakes_before = field.mistakes().count();
   const auto [open, close] = read_vec2(field, kShutter);
+  if (field.mistakes().count() != mistakes_before) return;
   if (open > close) field.mistake("the shutter must open before it closes: write [open, close]");
   if (open == close && open != 0)
     field.mistake(

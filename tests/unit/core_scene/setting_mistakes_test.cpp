@@ -203,9 +203,7 @@ TEST(SceneMistakes, InTheEnvironment) {
            "environment.radiance: must be a number or a list of 3 numbers, got the text 'sky'; the texture "
            "is a key "
            "of its own: \"texture\": \"NAME\""},
-          {"\"rotation\": 30",
-           "environment: unknown key 'rotation'; known are 'radiance', 'texture', 'rotation_degrees', "
-           "'orientation', 'visible_to_camera'"},
+          {"\"rotation\": 30", "environment: unknown key 'rotation'; did you mean 'rotation_degrees'?"},
           {"\"texture\": \"sun\"", "environment.texture: there is no texture 'sun'; known is 'sky'"},
           {"\"texture\": \"sky\"",
            "environment.texture: the environment is one whole image: leave out the texture's 'scale', "

@@ -295,7 +295,7 @@ class LayersOfLiarsTest : public LayersTest {
 };
 
 TEST_F(LayersOfLiarsTest, OfWrongSizesAreRefused) {
-  EXPECT_THAT(refusal({}, [](auto&) {}), HasSubstr("plane_words: it has 0 planes of layers"));
+  EXPECT_THAT(refusal(LayerSet(), [](auto&) {}), HasSubstr("plane_words: it has 0 planes of layers"));
   EXPECT_THAT(refusal([](auto& item) { item.mutable_plane_words()->RemoveLast(); }),
               HasSubstr("plane_words: it has"));
   EXPECT_THAT(refusal([](auto& item) { item.set_plane_words(0, 0xffffffff); }), HasSubstr("64 MiB of words"));
