@@ -101,7 +101,8 @@ mapfile -t of_coordinator < <(environment_of coordinator)
 unshare --net bash -c 'ip link set lo up && exec "$@"' - \
   "${container[@]}" "${of_coordinator[@]}" tessera-coordinator >"$work/coordinator.log" 2>&1 &
 outer=$!
-trap 'kill "$outer" 2>/dev/null; clean_up' EXIT
+# unshare ignores other signals; its child dies with it.
+trap 'kill -KILL "$outer" 2>/dev/null || true; wait "$outer" 2>/dev/null || true; clean_up' EXIT
 # health [PORT]: runs the health check beside the coordinator.
 health() {
   local first
