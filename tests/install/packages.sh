@@ -71,8 +71,9 @@ cat >"$root/srv/farm.sh" <<'END'
 set -euo pipefail
 cd /srv
 start() {
+  : >coordinator.log  # not the address of an earlier one
   TESSERA_COORDINATOR_LISTEN=127.0.0.1:${1:-0} TESSERA_COORDINATOR_STATE=/srv/state TESSERA_COORDINATOR_HTTP=off \
-    tessera-coordinator --config /etc/tessera/coordinator.conf >coordinator.log 2>&1 &
+    tessera-coordinator --config /etc/tessera/coordinator.conf >>coordinator.log 2>&1 &
   coordinator=$!
   for ((i = 0; i < 600; ++i)); do grep -q "listening on" coordinator.log && break; sleep 0.1; done
   export TESSERA_COORDINATOR=$(sed -n "s/.*listening on //p" coordinator.log)
