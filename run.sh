@@ -28,7 +28,7 @@ echo "all there"
 
 heading "Build (some minutes the first time)"
 mkdir -p out
-build release "-DTESSERA_TESTS=OFF -DTESSERA_FARM_FLAGS=-O1" tessera tessera-coordinator tessera-worker tessera-scene-loader tessera-validator tessera_scene_still_life
+build release "-DTESSERA_TESTS=OFF -DTESSERA_FARM_FLAGS=-O1 -DTESSERA_FILE_FLAGS=-O1" tessera tessera-coordinator tessera-worker tessera-scene-loader tessera-validator tessera_scene_still_life
 echo "built in build/release"
 
 heading "A farm: one coordinator, two workers"

@@ -33,6 +33,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     $<$<BOOL:$<TARGET_PROPERTY:TESSERA_AVX512>>:-Wno-uninitialized$<SEMICOLON>-Wno-maybe-uninitialized>)
   # The attributes of __m128i, which are no part of the type, where it is a template argument.
   target_compile_options(tessera_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-ignored-attributes>)
+  # GCC collects its garbage from 128 MB on, which takes a twentieth of its time.
+  target_compile_options(tessera_options INTERFACE --param=ggc-min-heapsize=524288)
   if(CMAKE_UNITY_BUILD)
     # GCC takes the sources that are compiled as one for headers.
     target_compile_options(tessera_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)

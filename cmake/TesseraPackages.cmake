@@ -46,7 +46,7 @@ set(CPACK_DEBIAN_LIBTESSERA_PACKAGE_NAME ${library_package})
 set(CPACK_DEBIAN_LIBTESSERA_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBTESSERA_PACKAGE_CONTROL_EXTRA ${debian_dir}/triggers)
 set(CPACK_DEBIAN_LIBTESSERA-DEV_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_TESSERA-COORDINATOR_PACKAGE_RECOMMENDS "python3")
+set(CPACK_DEBIAN_TESSERA-COORDINATOR_PACKAGE_RECOMMENDS "python3, tessera")
 
 # Services: maintainer scripts, and files of options that belong to the machine.
 foreach(service IN ITEMS coordinator worker)

@@ -7,6 +7,8 @@ set -euo pipefail
 build=(
   # The compiler (with OpenMP) and the build system, and how it finds libraries.
   g++ cmake ninja-build pkg-config
+  # Vectors on other processors than x86-64.
+  libsimde-dev
   # Results and formatted messages; hashes of content and of film tiles.
   libexpected-dev
   libfmt-dev
@@ -77,8 +79,6 @@ test=(
   # The example of a client in Python.
   python3-grpcio
   python3-protobuf
-  # Vectors on any processor.
-  libsimde-dev
   # Tests of the scene file's JSON Schema.
   libvalijson-dev
   # The completions of the command line, in the shells that they are for.
