@@ -5,9 +5,9 @@
 
 #include <cmath>
 
+#include "core/materials/visible_hemisphere.hpp"
 #include "core/math/elementary.hpp"
 #include "core/math/vec3.hpp"
-#include "core/sampling/warp.hpp"
 
 namespace tessera::core {
 
@@ -58,16 +58,8 @@ using AnisotropicGgx = AnisotropicGgxOf<float>;
 
 template <typename T>
 Vec3Of<T> AnisotropicGgxOf<T>::sample_visible(Vec3Of<T> wo, Vec2Of<T> u) const {
-  using std::sqrt;
-  const Vec3Of<T> stretched = normalize(Vec3Of<T>{alpha_x_ * wo.x, alpha_y_ * wo.y, wo.z});
-  const T across2 = stretched.x * stretched.x + stretched.y * stretched.y;
-  const Vec3Of<T> t1 =
-      select(across2 > 0, Vec3Of<T>{-stretched.y, stretched.x, 0} / sqrt(across2), Vec3Of<T>{1, 0, 0});
-  const Vec3Of<T> t2 = cross(stretched, t1);
-  const Vec2Of<T> p = sample_disk(u);
-  const T share = 0.5f * (1 + stretched.z);
-  const T p2 = (1 - share) * sqrt(larger(T(0.0f), 1 - p.x * p.x)) + share * p.y;
-  const Vec3Of<T> n = t1 * p.x + t2 * p2 + stretched * sqrt(larger(T(0.0f), 1 - p.x * p.x - p2 * p2));
+  const Vec3Of<T> n =
+      sample_visible_hemisphere(normalize(Vec3Of<T>{alpha_x_ * wo.x, alpha_y_ * wo.y, wo.z}), u);
   return normalize(Vec3Of<T>{alpha_x_ * n.x, alpha_y_ * n.y, larger(T(1e-6f), n.z)});
 }
 

@@ -45,6 +45,7 @@ Rgb base_color_at(const Material& material, const std::vector<Texture>& textures
             const Rgb base = at(m.base_color) * tint * at(m.base_weight);
             return base * (1 - transmitted) + at(m.transmission_color) * transmitted;
           },
+          [&](const Disney& m) { return at(m.base_color) * tint; },
           [&](const Plastic& m) { return at(m.diffuse) * tint; },
           [&](const ConductorMaterial& m) { return at(m.specular) * normal_reflectance(at(m.eta), at(m.k)); },
           [&](const DiffuseTransmission& m) { return (at(m.reflectance) + at(m.transmittance)) * tint; },

@@ -10,7 +10,7 @@
 #include "core/materials/fresnel.hpp"
 #include "core/materials/microfacet.hpp"
 #include "core/math/simd_double8.hpp"
-#include "core/math/word_lanes.hpp"
+#include "core/math/table_interpolation.hpp"
 
 namespace tessera::core {
 namespace {
@@ -21,32 +21,6 @@ constexpr float kMaxContrast = 9.0f / 11;
 // The place of a node on its axis, from 0 to 1.
 float place_of(std::size_t node, std::size_t nodes) {
   return static_cast<float>(node) / static_cast<float>(nodes - 1);
-}
-
-// A place between two nodes of a table's axis.
-template <typename T>
-struct Between {
-  // `place` runs from 0 to 1 over all nodes.
-  Between(T place, std::uint32_t nodes) {
-    const T scaled = clamp_between(place, 0.0f, 1.0f) * static_cast<float>(nodes - 1);
-    low = smaller_word(to_word(scaled), WordOf<T>(nodes - 2));  // also of NaN
-    share = scaled - to_float(low);
-  }
-
-  T mix(T at_low, T at_high) const { return at_low + share * (at_high - at_low); }
-
-  WordOf<T> low;
-  T share;
-};
-
-// Between the four nodes of the rows and columns of a table of kColumns, from `first` on.
-template <std::uint32_t kColumns, typename T>
-T interpolated(const float* table, WordOf<T> first, const Between<T>& row, const Between<T>& column) {
-  const WordOf<T> corner = first + row.low * WordOf<T>(kColumns) + column.low;
-  const auto along_row = [&](WordOf<T> at) {
-    return column.mix(look_up(table, at), look_up(table, at + WordOf<T>(1)));
-  };
-  return row.mix(along_row(corner), along_row(corner + WordOf<T>(kColumns)));
 }
 
 template <typename T>
@@ -155,6 +129,15 @@ class Facet {
 
 }  // namespace
 
+float single_reflection(MicrofacetKind kind, float alpha, float cos_o, float eta) {
+  const Microfacets facets(kind, alpha);
+  const Vec3 wo = at_cosine(cos_o);
+  float sum = 0;
+  for (const auto& [u, share] : nodes_for(facets))
+    sum += Facet<Microfacets>(facets, wo, u).reflected(eta) * share;
+  return sum;
+}
+
 const DirectionalAlbedo& DirectionalAlbedo::tables(MicrofacetKind kind) {
   using enum MicrofacetDistribution;
   using enum SmithMasking;
@@ -217,13 +200,12 @@ void DirectionalAlbedo::integrate(const Facets& facets, std::size_t roughness, s
 
 void DirectionalAlbedo::integrate_means(std::size_t roughness, std::size_t index) {
   constexpr int kSteps = 256;
-  const Between<float> row(place_of(roughness, kRoughnesses), kRoughnesses);
+  const float row = place_of(roughness, kRoughnesses);
   double sum = 0, inside = 0;
   for (int i = 0; i < kSteps; ++i) {
     const float cos_o = std::sqrt((static_cast<float>(i) + 0.5f) / kSteps);  // uniform in its square
-    const Between<float> cosine(std::sqrt(cos_o), kCosines);
     const auto at = [&](const Plane& plane) {
-      return interpolated<kCosines, float>(plane[0].data(), 0, row, cosine);
+      return interpolated<kRoughnesses, kCosines>(plane[0].data(), row, std::sqrt(cos_o));
     };
     sum += static_cast<double>(at(scattered_[0][index]) - at(reflected_[index]));
     inside += static_cast<double>(at(scattered_[1][index]));
@@ -232,57 +214,50 @@ void DirectionalAlbedo::integrate_means(std::size_t roughness, std::size_t index
   mean_scattered_inside_[roughness][index] = static_cast<float>(inside / kSteps);
 }
 
-namespace {
-
-// Numbers of a table's plane, which has a row for each roughness.
-constexpr std::uint32_t kCosineNodes = 16, kPlane = 16 * kCosineNodes;
-
-// Between two planes of a table, which has one for each index.
 template <typename T>
-T interpolated_planes(const float* table, WordOf<T> first, T cos_o, T alpha, T eta) {
+T DirectionalAlbedo::between_planes(const float* planes, WordOf<T> first, T cos_o, T alpha, T eta) {
   using std::sqrt;
-  const Between<T> index(place_of_index(eta), 16), row(sqrt(alpha), 16), column(sqrt(cos_o), kCosineNodes);
+  constexpr std::uint32_t kPlane = kRoughnesses * kCosines;
+  const TablePlace<T> index(place_of_index(eta), kIndices);
+  const T row = sqrt(alpha), column = sqrt(cos_o);
   const WordOf<T> lower = first + index.low * WordOf<T>(kPlane);
-  return index.mix(interpolated<kCosineNodes>(table, lower, row, column),
-                   interpolated<kCosineNodes>(table, lower + WordOf<T>(kPlane), row, column));
+  const auto in_plane = [&](WordOf<T> plane) {
+    return interpolated<kRoughnesses, kCosines>(planes, row, column, plane);
+  };
+  return index.mix(in_plane(lower), in_plane(lower + WordOf<T>(kPlane)));
 }
-
-}  // namespace
 
 template <typename T>
 T DirectionalAlbedo::reflecting(std::type_identity_t<T> cos_o, std::type_identity_t<T> alpha) const {
   using std::sqrt;
-  return interpolated<kCosines>(reflecting_[0].data(), WordOf<T>(0), Between<T>(sqrt(alpha), kRoughnesses),
-                                Between<T>(sqrt(cos_o), kCosines));
+  return interpolated<kRoughnesses, kCosines>(reflecting_[0].data(), T(sqrt(alpha)), T(sqrt(cos_o)));
 }
 
 template <typename T>
 T DirectionalAlbedo::reflected(std::type_identity_t<T> cos_o, std::type_identity_t<T> alpha,
                                std::type_identity_t<T> eta) const {
-  return interpolated_planes<T>(reflected_[0][0].data(), WordOf<T>(0), cos_o, alpha, eta);
+  return between_planes<T>(reflected_[0][0].data(), WordOf<T>(0), cos_o, alpha, eta);
 }
 
 template <typename T>
 T DirectionalAlbedo::scattered(std::type_identity_t<T> cos_o, std::type_identity_t<T> alpha,
                                std::type_identity_t<T> eta) const {
-  const WordOf<T> first = select(eta < 1, WordOf<T>(kIndices * kPlane), WordOf<T>(0));
-  return interpolated_planes<T>(scattered_[0][0][0].data(), first, cos_o, alpha, eta);
+  const WordOf<T> first = select(eta < 1, WordOf<T>(kIndices * kRoughnesses * kCosines), WordOf<T>(0));
+  return between_planes<T>(scattered_[0][0][0].data(), first, cos_o, alpha, eta);
 }
 
 template <typename T>
 T DirectionalAlbedo::mean_transmitted(std::type_identity_t<T> alpha, std::type_identity_t<T> eta) const {
   using std::sqrt;
-  return interpolated<kIndices>(mean_transmitted_[0].data(), WordOf<T>(0),
-                                Between<T>(sqrt(alpha), kRoughnesses),
-                                Between<T>(place_of_index<T>(eta), kIndices));
+  return interpolated<kRoughnesses, kIndices>(mean_transmitted_[0].data(), T(sqrt(alpha)),
+                                              place_of_index<T>(eta));
 }
 
 template <typename T>
 T DirectionalAlbedo::mean_scattered_inside(std::type_identity_t<T> alpha, std::type_identity_t<T> eta) const {
   using std::sqrt;
-  return interpolated<kIndices>(mean_scattered_inside_[0].data(), WordOf<T>(0),
-                                Between<T>(sqrt(alpha), kRoughnesses),
-                                Between<T>(place_of_index<T>(eta), kIndices));
+  return interpolated<kRoughnesses, kIndices>(mean_scattered_inside_[0].data(), T(sqrt(alpha)),
+                                              place_of_index<T>(eta));
 }
 
 template float DirectionalAlbedo::reflecting<float>(float, float) const;

@@ -7,11 +7,17 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <type_traits>
 
 #include "core/materials/microfacets.hpp"
+#include "core/math/word_lanes.hpp"
 
 namespace tessera::core {
+
+// What isotropic microfacets reflect of the light from everywhere, by integration without the tables. Below
+// the boundary, `eta` is less than 1.
+float single_reflection(MicrofacetKind kind, float alpha, float cos_o, float eta);
 
 class DirectionalAlbedo {
  public:
@@ -41,7 +47,7 @@ class DirectionalAlbedo {
 
  private:
   // Nodes: square root of the cosine, square root of alpha, and an index whose spacing narrows towards 1.
-  static constexpr std::size_t kCosines = 16, kRoughnesses = 16, kIndices = 16;
+  static constexpr std::uint32_t kCosines = 16, kRoughnesses = 16, kIndices = 16;
   using Plane = std::array<std::array<float, kCosines>, kRoughnesses>;
   using Planes = std::array<Plane, kIndices>;
 
@@ -52,6 +58,9 @@ class DirectionalAlbedo {
   template <typename Facets>
   void integrate(const Facets& facets, std::size_t roughness, std::size_t cosine);
   void integrate_means(std::size_t roughness, std::size_t index);
+  // Between two planes of a table, which begins at planes[first] and has one for each index.
+  template <typename T>
+  static T between_planes(const float* planes, WordOf<T> first, T cos_o, T alpha, T eta);
 
   Plane reflecting_{};
   Planes reflected_{};

@@ -31,6 +31,13 @@ T fresnel_dielectric(std::type_identity_t<T> cos_i, std::type_identity_t<T> eta)
   return select(sin2_t >= 1, T(1.0f), (parallel * parallel + perpendicular * perpendicular) / 2);
 }
 
+// Reflectance of a dielectric boundary at normal incidence, from either side.
+template <typename T>
+T normal_reflectance(T eta) {
+  const T r = (eta - 1) / (eta + 1);
+  return r * r;
+}
+
 template <typename T>
 T fifth_power(T x) {
   const T x2 = x * x;
@@ -42,7 +49,7 @@ template <typename T = float>
 T fresnel_dielectric_schlick(std::type_identity_t<T> cos_i, std::type_identity_t<T> eta) {
   using std::sqrt;
   const T sin2_t = (1 - cos_i * cos_i) / (eta * eta);
-  const T contrast = (eta - 1) / (eta + 1), f0 = contrast * contrast;
+  const T f0 = normal_reflectance(eta);
   const T thinner_cos = select(eta < 1, sqrt(1 - sin2_t), cos_i);
   return select(sin2_t >= 1, T(1.0f), f0 + (1 - f0) * fifth_power(1 - thinner_cos));
 }

@@ -5,16 +5,14 @@
 // docs/architecture.md tells how to add a model.
 #pragma once
 
-#include <concepts>
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <type_traits>
 #include <variant>
 #include <vector>
 
 #include "core/materials/conductor.hpp"
+#include "core/materials/disney.hpp"
 #include "core/materials/fresnel.hpp"
 #include "core/materials/limits.hpp"
 #include "core/materials/microfacets.hpp"
@@ -116,7 +114,9 @@ struct Plastic {
   ColorParameter specular{Rgb::gray(1)};    // tint of the boundary's reflection
   ScalarParameter ior = 1.5f;
   ScalarParameter roughness = 0;  // alpha is its square; smooth if that is below kMinAlpha
-  bool nonlinear = false;         // each reflection inside takes the base's colour; else only the first
+  // Multiplies what the boundary throws back to the base from inside.
+  ScalarParameter internal_reflection = 1;
+  bool nonlinear = false;  // each reflection inside takes the base's colour; else only the first
   MicrofacetKind microfacets{};
   bool compensated =
       true;  // light between microfacets stays inside; else it is lost, as by single scattering
@@ -175,8 +175,9 @@ inline constexpr int kMaxBlendDepth = 8;  // of blends of blends
 // Nothing: light passes straight through. Bounds a medium.
 struct Null {};
 
-using MaterialModel = std::variant<Lambert, Mirror, Glass, Phong, CookTorrance, Principled, Plastic,
-                                   ConductorMaterial, DiffuseTransmission, ThinDielectric, Blend, Null, Hair>;
+using MaterialModel =
+    std::variant<Lambert, Mirror, Glass, Phong, CookTorrance, Principled, Plastic, ConductorMaterial,
+                 DiffuseTransmission, ThinDielectric, Blend, Null, Hair, Disney>;
 
 // The sampling strategy for directions.
 enum class Sampling {
@@ -200,6 +201,12 @@ struct BumpMap {
   float height = 1;  // of a texel of 1, in world units; if negative, bright texels are lower
 };
 
+// What becomes of light where the shading normal, interpolated or from a map, differs from the geometric one.
+enum class ShadingNormals {
+  kConserving,  // neither lost nor gained (core/integrators/shading_normal.hpp)
+  kPlain,       // the shading normal replaces the geometric one, and light from below the surface is lost
+};
+
 struct Material {
   std::string name;
   MaterialModel model;
@@ -214,8 +221,10 @@ struct Material {
   // Whether the side that the geometric normal points away from scatters light, too; else it is black. All
   // models that transmit light have two sides.
   bool two_sided = true;
+  ShadingNormals shading_normals = ShadingNormals::kConserving;
   // Where light passes the surface, by transmission or straight through, it enters the medium of that side.
   MediumInterface media{};
+  std::string light_group{};  // of what it emits; empty for none
 };
 
 // Whether all light that the model transmits passes straight through: a pane, or a boundary between equal
@@ -239,6 +248,7 @@ inline bool is_opaque(const Material& material, const std::vector<Material>& all
 
 // Whether the model has an inside that light enters, so that both of its sides scatter light.
 inline bool transmits_light(const MaterialModel& model) {
+  if (const auto* disney = std::get_if<Disney>(&model)) return transmits_light(*disney);
   if (const auto* principled = std::get_if<Principled>(&model))
     return principled->geometry_thin_walled || principled->transmission_weight.texture >= 0 ||
            principled->transmission_weight.value > 0;
@@ -273,6 +283,7 @@ inline bool is_anisotropic(const MaterialModel& model) {
   };
   if (const auto* principled = std::get_if<Principled>(&model))
     return can_differ(principled->specular_roughness_anisotropy);
+  if (const auto* disney = std::get_if<Disney>(&model)) return can_differ(disney->anisotropic);
   if (std::holds_alternative<Hair>(model)) return true;
   const auto* conductor = std::get_if<ConductorMaterial>(&model);
   return conductor != nullptr && can_differ(conductor->anisotropy);
@@ -281,119 +292,6 @@ inline bool is_anisotropic(const MaterialModel& model) {
 // Whether f0 is the base colour, as for a metal.
 inline bool f0_is_base_color(const CookTorrance& model) {
   return model.diffuse.texture < 0 && is_black(model.diffuse.value);
-}
-
-// T, or const T.
-template <typename Model, typename T>
-concept ModelOf = std::same_as<std::remove_const_t<Model>, T>;
-
-// Calls visit(key, parameter) for each ColorParameter and ScalarParameter of `model`, with its key in scene
-// files.
-template <ModelOf<Lambert> Model, typename Visit>
-void visit_parameters(Model& model, const Visit& visit) {
-  visit("albedo", model.albedo);
-}
-template <ModelOf<Mirror> Model, typename Visit>
-void visit_parameters(Model& model, const Visit& visit) {
-  visit("reflectance", model.reflectance);
-}
-template <ModelOf<Glass> Model, typename Visit>
-void visit_parameters(Model& model, const Visit& visit) {
-  visit("ior", model.ior);
-  visit("reflectance", model.reflectance);
-  visit("transmittance", model.transmittance);
-  visit("roughness", model.roughness);
-}
-template <ModelOf<Phong> Model, typename Visit>
-void visit_parameters(Model& model, const Visit& visit) {
-  visit("diffuse", model.diffuse);
-  visit("specular", model.specular);
-  visit("exponent", model.exponent);
-}
-template <ModelOf<CookTorrance> Model, typename Visit>
-void visit_parameters(Model& model, const Visit& visit) {
-  visit("diffuse", model.diffuse);
-  visit("specular", model.specular);
-  visit("f0", model.f0);
-  visit("roughness", model.roughness);
-}
-template <ModelOf<Principled> Model, typename Visit>
-void visit_parameters(Model& model, const Visit& visit) {
-  visit("base_weight", model.base_weight);
-  visit("base_color", model.base_color);
-  visit("base_diffuse_roughness", model.base_diffuse_roughness);
-  visit("base_metalness", model.base_metalness);
-  visit("subsurface_weight", model.subsurface_weight);
-  visit("subsurface_color", model.subsurface_color);
-  visit("specular_weight", model.specular_weight);
-  visit("specular_color", model.specular_color);
-  visit("specular_roughness", model.specular_roughness);
-  visit("specular_roughness_anisotropy", model.specular_roughness_anisotropy);
-  visit("specular_ior", model.specular_ior);
-  visit("transmission_weight", model.transmission_weight);
-  visit("transmission_color", model.transmission_color);
-  visit("transmission_depth", model.transmission_depth);
-  visit("coat_weight", model.coat_weight);
-  visit("coat_color", model.coat_color);
-  visit("coat_roughness", model.coat_roughness);
-  visit("coat_ior", model.coat_ior);
-  visit("coat_darkening", model.coat_darkening);
-  visit("fuzz_weight", model.fuzz_weight);
-  visit("fuzz_color", model.fuzz_color);
-  visit("fuzz_roughness", model.fuzz_roughness);
-  visit("thin_film_weight", model.thin_film_weight);
-  visit("thin_film_thickness", model.thin_film_thickness);
-  visit("thin_film_ior", model.thin_film_ior);
-}
-template <ModelOf<Plastic> Model, typename Visit>
-void visit_parameters(Model& model, const Visit& visit) {
-  visit("diffuse", model.diffuse);
-  visit("specular", model.specular);
-  visit("ior", model.ior);
-  visit("roughness", model.roughness);
-}
-template <ModelOf<ConductorMaterial> Model, typename Visit>
-void visit_parameters(Model& model, const Visit& visit) {
-  visit("eta", model.eta);
-  visit("k", model.k);
-  visit("specular", model.specular);
-  visit("roughness", model.roughness);
-  visit("anisotropy", model.anisotropy);
-}
-template <ModelOf<DiffuseTransmission> Model, typename Visit>
-void visit_parameters(Model& model, const Visit& visit) {
-  visit("reflectance", model.reflectance);
-  visit("transmittance", model.transmittance);
-}
-template <ModelOf<ThinDielectric> Model, typename Visit>
-void visit_parameters(Model& model, const Visit& visit) {
-  visit("ior", model.ior);
-  visit("reflectance", model.reflectance);
-  visit("transmittance", model.transmittance);
-}
-template <ModelOf<Blend> Model, typename Visit>
-void visit_parameters(Model& model, const Visit& visit) {
-  visit("weight", model.weight);
-}
-template <ModelOf<Hair> Model, typename Visit>
-void visit_parameters(Model& model, const Visit& visit) {
-  visit("reflectance", model.reflectance);
-  visit("sigma_a", model.sigma_a);
-  visit("eumelanin", model.eumelanin);
-  visit("pheomelanin", model.pheomelanin);
-  visit("beta_m", model.beta_m);
-  visit("beta_n", model.beta_n);
-  visit("ior", model.ior);
-}
-template <ModelOf<Null> Model, typename Visit>
-void visit_parameters(Model&, const Visit&) {}
-template <typename Visit>
-void visit_parameters(const MaterialModel& model, const Visit& visit) {
-  std::visit([&](const auto& m) { visit_parameters(m, visit); }, model);
-}
-template <typename Visit>
-void visit_parameters(MaterialModel& model, const Visit& visit) {
-  std::visit([&](auto& m) { visit_parameters(m, visit); }, model);
 }
 
 }  // namespace tessera::core

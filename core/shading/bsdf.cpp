@@ -53,6 +53,7 @@ Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>
                 .sample_half_vector = material.sampling == Sampling::kHalfVector};
           },
           [&](const Hair& m) -> AtPoint { return HairBsdf(m, textures, uv); },
+          [&](const Disney& m) -> AtPoint { return DisneyBsdf(m, textures, uv, outside, tint); },
           // What it transmits does not stop here (interception_at).
           [&](const ThinDielectric& m) -> AtPoint {
             if (passes_straight(material)) return MirrorBsdf{at(m.reflectance)};
@@ -86,6 +87,7 @@ bool Bsdf::transmits() const {
 void Bsdf::orient(Vec3 tangent_local) {
   if (auto* closure = std::get_if<ClosureOf<float>>(&at_point_)) closure->orient(tangent_local);
   if (auto* hair = std::get_if<HairBsdf>(&at_point_)) hair->orient(tangent_local);
+  if (auto* disney = std::get_if<DisneyBsdf>(&at_point_)) disney->orient(tangent_local);
 }
 
 void Bsdf::look_from(float cos_o) {
@@ -126,6 +128,7 @@ float Bsdf::uniform_pdf(Vec3 wo_local, Vec3 wi_local) const {
 float Bsdf::transmitted_eta() const {
   if (const auto* closure = std::get_if<ClosureOf<float>>(&at_point_)) return closure->transmitted_eta();
   if (std::holds_alternative<HairBsdf>(at_point_)) return 1;
+  if (const auto* disney = std::get_if<DisneyBsdf>(&at_point_)) return disney->transmitted_eta();
   if (const auto* ggx = std::get_if<RoughDielectricBsdf>(&at_point_)) return ggx->eta;
   return std::get_if<RoughDielectricOf<float, Microfacets>>(&at_point_)->eta;
 }

@@ -15,6 +15,7 @@
 #include "core/materials/material.hpp"
 #include "core/shading/closure.hpp"
 #include "core/shading/cook_torrance.hpp"
+#include "core/shading/disney_bsdf.hpp"
 #include "core/shading/lambert.hpp"
 #include "core/shading/mirror.hpp"
 #include "core/shading/phong.hpp"
@@ -59,7 +60,7 @@ class Bsdf {
  private:
   using AtPoint = std::variant<LambertBsdf, MirrorBsdf, SmoothDielectricBsdf, RoughDielectricBsdf,
                                RoughDielectricOf<float, Microfacets>, PhongBsdf, CookTorranceBsdf,
-                               ClosureOf<float>, HairBsdf>;
+                               ClosureOf<float>, HairBsdf, DisneyBsdf>;
 
   static AtPoint look_up(const Material& material, const std::vector<Texture>& textures, Vec2 uv,
                          bool outside, Rgb tint);

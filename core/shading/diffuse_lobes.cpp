@@ -9,7 +9,7 @@
 #include "core/materials/fresnel.hpp"
 #include "core/materials/microfacet.hpp"
 #include "core/math/lane_array.hpp"
-#include "core/math/word_lanes.hpp"
+#include "core/math/table_interpolation.hpp"
 #include "core/sampling/warp.hpp"
 
 namespace tessera::core {
@@ -89,7 +89,7 @@ CoveredDiffuseLobe<T>::CoveredDiffuseLobe(RgbOf<T> reflectance, const Boundary& 
   T kept = T(1.0f);
   if (!all(compensated))
     kept = select(compensated, kept, tables.template mean_scattered_inside<T>(boundary.alpha, eta));
-  const T internally_reflected = kept - mean_transmitted_ / (eta * eta);
+  const T internally_reflected = boundary.internal_reflection * (kept - mean_transmitted_ / (eta * eta));
   const RgbOf<T> again =
       select(nonlinear, reflectance * internally_reflected, RgbOf<T>::gray(internally_reflected));
   color_ = quotient(reflectance, RgbOf<T>::gray(1) - again) / (eta * eta);
@@ -97,11 +97,11 @@ CoveredDiffuseLobe<T>::CoveredDiffuseLobe(RgbOf<T> reflectance, const Boundary& 
 
 template <typename T>
 T CoveredDiffuseLobe<T>::transmitted(T cosine) const {
-  const auto& [facets, alpha, eta] = boundary_;
+  const T alpha = boundary_.alpha, eta = boundary_.eta;
   const MaskOf<T> smooth = alpha < kMinAlpha;
   T rough{};
   if (!all(smooth)) {
-    const DirectionalAlbedo& tables = DirectionalAlbedo::tables(facets);
+    const DirectionalAlbedo& tables = DirectionalAlbedo::tables(boundary_.facets);
     rough =
         tables.template scattered<T>(cosine, alpha, eta) - tables.template reflected<T>(cosine, alpha, eta);
   }
@@ -149,31 +149,12 @@ class SheenAlbedo {
 
   template <typename T>
   T at(T cos_o, T roughness) const {
-    const Place<T> row((roughness - kMinSheenRoughness) / (1 - kMinSheenRoughness)), column(cos_o);
-    const auto along = [&](WordOf<T> r) {
-      const WordOf<T> first = r * WordOf<T>(kNodes) + column.low;
-      const T at_low = look_up(values_[0].data(), first);
-      return at_low + column.share * (look_up(values_[0].data(), first + WordOf<T>(1)) - at_low);
-    };
-    const T at_low = along(row.low);
-    return at_low + row.share * (along(row.low + WordOf<T>(1)) - at_low);
+    return interpolated<kNodes, kNodes>(values_[0].data(),
+                                        (roughness - kMinSheenRoughness) / (1 - kMinSheenRoughness), cos_o);
   }
 
  private:
   static constexpr std::uint32_t kNodes = 16;
-
-  // Between two nodes.
-  template <typename T>
-  struct Place {
-    explicit Place(T place) {
-      const T scaled = clamp_between(place, 0.0f, 1.0f) * (kNodes - 1.0f);
-      low = smaller_word(to_word(scaled), WordOf<T>(kNodes - 2));
-      share = scaled - to_float(low);
-    }
-
-    WordOf<T> low;
-    T share;
-  };
 
   static float place_of(std::size_t node) { return static_cast<float>(node) / (kNodes - 1.0f); }
 

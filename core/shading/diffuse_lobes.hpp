@@ -45,6 +45,7 @@ struct CoveredDiffuseLobe : RoughLobe<T> {
     MicrofacetKind facets{};  // in all lanes
     T alpha{};                // 0 if smooth
     T eta = T(1.0f);
+    T internal_reflection = T(1.0f);  // as in Plastic
   };
   // `nonlinear` and `compensated` as in Plastic.
   CoveredDiffuseLobe(RgbOf<T> reflectance, const Boundary& boundary, MaskOf<T> nonlinear,

@@ -62,12 +62,6 @@ Facets<T> facets_of(T roughness, T anisotropy) {
           alpha < kMinAlpha};
 }
 
-template <typename T>
-T normal_reflectance(T eta) {
-  const T r = (eta - 1) / (eta + 1);
-  return r * r;
-}
-
 // OpenPBR 1.1: the index whose reflectance at normal incidence is `weight` times that of eta.
 template <typename T>
 T reweighed_index(T eta, T weight) {
@@ -85,7 +79,7 @@ class PrincipledClosure {
         thin_(model.holds([](const Principled& m) { return m.geometry_thin_walled; })),
         transmission_weight_(share(&Principled::transmission_weight)),
         // Inside a solid, what lies on its outer side is not in the light's way.
-        is_inside_(!(outside_ | thin_) & (transmission_weight_ > 0)),
+        is_inside_((!(outside_ | thin_)) & (transmission_weight_ > 0)),
         metalness_(share(&Principled::base_metalness)),
         transmission_((1 - metalness_) * transmission_weight_),
         coat_(select(is_inside_, T(0.0f), share(&Principled::coat_weight))),
@@ -271,7 +265,8 @@ ClosureOf<T> closure_at(const ModelAt<T, Plastic>& model) {
   closure.template add<kCoveredDiffuseSlot>(
       true,
       CoveredDiffuseLobe<T>(unit(model(&Plastic::diffuse)) * model.at().tint,
-                            {all_smooth ? MicrofacetKind{} : kind, facets.mean_alpha(), eta},
+                            {all_smooth ? MicrofacetKind{} : kind, facets.mean_alpha(), eta,
+                             unit(model(&Plastic::internal_reflection))},
                             model.holds([](const Plastic& m) { return m.nonlinear; }),
                             model.holds([](const Plastic& m) { return m.compensated; })),
       white<T>());

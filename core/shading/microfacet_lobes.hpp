@@ -17,10 +17,7 @@ namespace tessera::core {
 template <typename T>
 struct DielectricReflectance {
   RgbOf<T> operator()(T cos_i) const { return RgbOf<T>::gray(fresnel_dielectric<T>(cos_i, eta)); }
-  RgbOf<T> normal() const {
-    const T r = (eta - 1) / (eta + 1);
-    return RgbOf<T>::gray(r * r);
-  }
+  RgbOf<T> normal() const { return RgbOf<T>::gray(normal_reflectance(eta)); }
 
   T eta = T(1.0f);
 };

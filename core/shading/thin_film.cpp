@@ -44,12 +44,6 @@ T response_of(int channel, T difference_nm, T shift) {
 }
 
 template <typename T>
-T normal_reflectance_of(T eta) {
-  const T r = (eta - 1) / (eta + 1);
-  return r * r;
-}
-
-template <typename T>
 T schlick(T cos_i, T f0) {
   return fresnel_schlick(cos_i, RgbOf<T>::gray(f0)).r;
 }
@@ -91,10 +85,10 @@ RgbOf<T> FilmReflectanceOf<T>::covered(T cos_i) const {
   using std::sqrt;
   const T sin2 = (1 - cos_i * cos_i) / (film_ior_ * film_ior_);
   const T cos_t = sqrt(larger(T(0.0f), 1 - sin2));
-  const T upper = schlick(cos_i, normal_reflectance_of(film_ior_)), through = 1 - upper;
+  const T upper = schlick(cos_i, normal_reflectance(film_ior_)), through = 1 - upper;
   const T difference = 2 * film_ior_ * thickness_nm_ * cos_t;
   const auto channel = [&](T base_ior, int index) {
-    const T lower = schlick(cos_t, normal_reflectance_of(base_ior / film_ior_));
+    const T lower = schlick(cos_t, normal_reflectance(base_ior / film_ior_));
     const T both = upper * lower, amplitude = sqrt(both);
     const T constant = through * through * lower / (1 - both);
     // Reflection at the denser side turns the phase by half a turn.

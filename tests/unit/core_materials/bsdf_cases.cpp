@@ -113,6 +113,34 @@ ConductorMaterial brushed_beckmann() {
   return model;
 }
 
+// Every lobe that it has at once.
+Disney disney() {
+  Disney model;
+  model.base_color.value = {0.2f, 0.5f, 0.7f};
+  model.metallic = 0.3f;
+  model.roughness = 0.6f;
+  model.anisotropic = 0.7f;
+  model.specular_tint = 0.5f;
+  model.flatness = 0.4f;
+  model.sheen = 0.8f;
+  model.sheen_tint = 0.5f;
+  model.clearcoat = 1;
+  return model;
+}
+
+Disney clear_disney() {
+  Disney model = disney();
+  model.specular_transmission = 0.7f;
+  return model;
+}
+
+Disney disney_sheet() {
+  Disney model = clear_disney();
+  model.diffuse_transmission = 0.4f;
+  model.thin_walled = true;
+  return model;
+}
+
 }  // namespace
 
 std::vector<BsdfCase> bsdf_cases() {
@@ -149,6 +177,10 @@ std::vector<BsdfCase> bsdf_cases() {
   cases.push_back({"rougher_beckmann_glass", material_of(beckmann_glass(0.9f, kSeparableBeckmann))});
   cases.push_back({"beckmann_plastic", material_of(beckmann_plastic())});
   cases.push_back({"brushed_beckmann", material_of(brushed_beckmann())});
+  cases.push_back({"disney", material_of(disney())});
+  cases.push_back({"clear_disney", material_of(clear_disney())});
+  cases.push_back({"clear_disney_inside", material_of(clear_disney()), false});
+  cases.push_back({"disney_sheet", material_of(disney_sheet())});
   cases.push_back({"leaf", material_of(DiffuseTransmission{{{0.1f, 0.4f, 0.1f}}, {{0.2f, 0.5f, 0.1f}}})});
   return cases;
 }

@@ -90,6 +90,15 @@ TEST(WhiteFurnace, SmoothPlasticReflectsAllLight) {
 }
 
 // The mean Fresnel reflectance of an index of 1.5 is 0.09178 from outside, and 0.59636 from inside.
+// What is never thrown back leaves at once: rho T(wo) T(wi) / (pi eta^2).
+TEST(Plastic, TheBoundaryNeedNotReflectInside) {
+  Plastic plastic{.diffuse = {Rgb::gray(0.6f)}};
+  plastic.internal_reflection = 0;
+  const float head_on = 0.96f;
+  EXPECT_NEAR(bsdf_of(plastic).evaluate({0, 0, 1}, {0, 0, 1}).value.g,
+              0.6f * head_on * head_on / (kPi * 2.25f), 1e-6);
+}
+
 TEST(Plastic, HasTheReflectanceOfItsLayers) {
   constexpr float kOut = 1 - 0.09178f, kInside = 0.59636f, kDiffuse = 0.5f;
   Plastic plastic{.diffuse = {Rgb::gray(kDiffuse)}};
