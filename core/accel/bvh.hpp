@@ -44,8 +44,9 @@ class Bvh {
   // non-finite coordinates) are left out.
   static Bvh build(const Primitives& primitives, int threads);
 
-  // Builds the scene's own tree again, after instances have moved. The trees of objects stay.
-  void rebuild_own(const Primitives& primitives, int threads);
+  // Builds the scene's own tree again, after instances have moved or meshes have deformed, and those of
+  // objects with meshes that deform. The other trees stay.
+  void rebuild(const Primitives& primitives, int threads);
 
   // The nearest hit with 0 < t < ray.t_max; Hit::found() is false if there is none.
   Hit closest_hit(const Primitives& primitives, const Ray& ray) const;
@@ -70,6 +71,8 @@ class Bvh {
   bool operator==(const Bvh&) const = default;
 
  private:
+  void rebuild_own(const Primitives& primitives, int threads);
+
   Arrays arrays_;
 };
 

@@ -139,6 +139,8 @@ class WideBuilder {
         packet.curve_lanes |= 1u << lane;
         set_tube(packet, lane, tube_around(primitives_.curve(primitive)));
         set_source(packet, lane, primitives_.curve_source(primitive));
+      } else if (primitives_.is_moving_triangle(primitive)) {
+        packet.moving_lanes |= 1u << lane;
       } else if (!primitives_.is_triangle(primitive)) {
         packet.quadric_lanes |= 1u << lane;
       } else {
@@ -194,6 +196,13 @@ Bvh Bvh::build(const Primitives& primitives, int threads) {
     bvh.arrays_.objects.push_back(build(object, threads).arrays_);
   bvh.rebuild_own(primitives, threads);
   return bvh;
+}
+
+void Bvh::rebuild(const Primitives& primitives, int threads) {
+  for (std::size_t i = 0; i < primitives.objects().size(); ++i)
+    if (primitives.objects()[i].can_deform())
+      arrays_.objects[i] = build(primitives.objects()[i], threads).arrays_;
+  rebuild_own(primitives, threads);
 }
 
 void Bvh::rebuild_own(const Primitives& primitives, int threads) {

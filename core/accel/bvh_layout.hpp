@@ -51,10 +51,10 @@ inline unsigned BvhNode::packet_lanes() const {
   return BvhChild::packets_among(children.data()) | BvhChild::packets_among(children.data() + 8) << 8;
 }
 
-// The primitives of a leaf, one in each lane; triangles include a copy of their corners. Parts of curves have
-// a line and a radius that bound them (CurveTube): the start and the end in the first two corners, the radius
-// in the first coordinate of the third, and the part's source (tube_test.hpp) in the others. Unused lanes are
-// in no mask.
+// The primitives of a leaf, one in each lane; triangles include a copy of their corners, unless they move.
+// Parts of curves have a line and a radius that bound them (CurveTube): the start and the end in the first
+// two corners, the radius in the first coordinate of the third, and the part's source (tube_test.hpp) in the
+// others. Unused lanes are in no mask.
 struct alignas(64) BvhPacket {
   static constexpr int kWidth = 4;
 
@@ -65,7 +65,8 @@ struct alignas(64) BvhPacket {
   std::uint32_t instance_lanes = 0;
   std::uint32_t quadric_lanes = 0;  // disks and cylinders
   std::uint32_t curve_lanes = 0;
-  std::uint32_t unused[3] = {};  // pads to the cache line, so that equal packets have equal bytes
+  std::uint32_t moving_lanes = 0;  // triangles that deform while the shutter is open
+  std::uint32_t unused[2] = {};    // pads to the cache line, so that equal packets have equal bytes
 
   bool operator==(const BvhPacket&) const = default;
 };

@@ -14,6 +14,7 @@
 #include "core/accel/bvh.hpp"
 #include "core/accel/bvh_layout.hpp"
 #include "core/accel/hit_columns.hpp"
+#include "core/accel/moving_triangles.hpp"
 #include "core/accel/ray_group.hpp"
 #include "core/accel/ray_traversal.hpp"
 #include "core/accel/sheared_group.hpp"
@@ -70,6 +71,17 @@ class GroupHits {
       const std::uint32_t primitive = packet.primitives[std::countr_zero(quadrics)];
       for_each_ray(set, [&](std::size_t i) { test_analytic(primitive, i); });
     }
+  }
+
+  // Tests the rays of `set` against a packet's moving triangles, ray by ray.
+  void test_moving(const BvhPacket& packet, RaySet set) {
+    for_each_ray(set, [&](std::size_t i) {
+      const AnyRay ray = columns_.ray(i);
+      for_each_moving_hit(packet, scene_.primitives, ray, [&](const Hit& found) {
+        Hit hit;
+        if (hit.improve(ray, found)) accept(i, hit);
+      });
+    });
   }
 
   // Tests the rays of `set` against a packet's parts of curves, ray by ray.

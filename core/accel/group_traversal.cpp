@@ -130,7 +130,10 @@ class GroupTraversal {
     if constexpr (std::is_same_v<AnyRay, Ray>)
       if (packet.instance_lanes != 0) enter_instances(packet, set);
     if (packet.sphere_lanes != 0) hits_.test_spheres(packet, set);
-    if (packet.quadric_lanes != 0) hits_.test_quadrics(packet, set);
+    if ((packet.quadric_lanes | packet.moving_lanes) != 0) {
+      hits_.test_quadrics(packet, set);
+      hits_.test_moving(packet, set);
+    }
     if (packet.curve_lanes != 0) hits_.test_curves(packet, set);
   }
 

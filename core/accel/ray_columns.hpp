@@ -34,17 +34,9 @@ struct RayNumbers<ObjectRay> {
 
 inline constexpr std::size_t kGroupSize = 64;
 
-// Rays in the space of an object have no time.
-template <typename AnyRay>
-struct TimeColumn {};
-template <>
-struct TimeColumn<Ray> {
-  alignas(kVectorAlignment) float time[kGroupSize];
-};
-
 // AnyRay is Ray or ObjectRay.
 template <typename AnyRay>
-struct RayColumns : TimeColumn<AnyRay> {
+struct RayColumns {
   static constexpr std::size_t kSize = kGroupSize, kLanes = kVectorLanes, kVectors = kSize / kLanes;
   using Real = typename RayNumbers<AnyRay>::Real;
   using Lanes = typename RayNumbers<AnyRay>::Lanes;
@@ -61,17 +53,17 @@ struct RayColumns : TimeColumn<AnyRay> {
   // The number of vectors that contain rays.
   std::size_t vectors() const { return (count + kLanes - 1) / kLanes; }
   AnyRay ray(std::size_t i) const {
-    AnyRay ray{{origin[0][i], origin[1][i], origin[2][i]},
-               {direction[0][i], direction[1][i], direction[2][i]},
-               t_max[i]};
-    if constexpr (std::is_same_v<AnyRay, Ray>) ray.time = this->time[i];
-    return ray;
+    return {{origin[0][i], origin[1][i], origin[2][i]},
+            {direction[0][i], direction[1][i], direction[2][i]},
+            t_max[i],
+            time[i]};
   }
 
   std::size_t count;
   alignas(kVectorAlignment) Real origin[3][kSize];
   alignas(kVectorAlignment) Real direction[3][kSize];
   alignas(kVectorAlignment) float t_max[kSize];
+  alignas(kVectorAlignment) float time[kSize];
 
  private:
   template <typename RayAt>
@@ -87,7 +79,7 @@ struct RayColumns : TimeColumn<AnyRay> {
       const auto [dy, dz, t, when] = rows(4);
       x.store(origin[0] + first), y.store(origin[1] + first), z.store(origin[2] + first);
       dx.store(direction[0] + first), dy.store(direction[1] + first), dz.store(direction[2] + first);
-      t.store(t_max + first), when.store(this->time + first);
+      t.store(t_max + first), when.store(time + first);
     } else {
       for (std::size_t k = 0; k < 8; ++k) {
         const AnyRay& ray = ray_at(k);
@@ -95,7 +87,7 @@ struct RayColumns : TimeColumn<AnyRay> {
         origin[0][i] = ray.origin.x, origin[1][i] = ray.origin.y, origin[2][i] = ray.origin.z;
         direction[0][i] = ray.direction.x, direction[1][i] = ray.direction.y,
         direction[2][i] = ray.direction.z;
-        t_max[i] = ray.t_max;
+        t_max[i] = ray.t_max, time[i] = ray.time;
       }
     }
   }

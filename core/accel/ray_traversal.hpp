@@ -14,6 +14,7 @@
 #include "core/accel/box_test.hpp"
 #include "core/accel/bvh.hpp"
 #include "core/accel/bvh_layout.hpp"
+#include "core/accel/moving_triangles.hpp"
 #include "core/accel/triangle_hits.hpp"
 #include "core/accel/tube_test.hpp"
 #include "core/geometry/primitives.hpp"
@@ -254,8 +255,7 @@ class RayTraversal {
   template <Query kQuery>
   void visit(const BvhPacket& packet) {
     if (packet.triangle_lanes != 0) visit_triangles(packet);
-    if (const unsigned lanes = packet.sphere_lanes | packet.quadric_lanes; lanes != 0)
-      visit_analytic(packet, lanes);
+    if ((packet.sphere_lanes | packet.quadric_lanes | packet.moving_lanes) != 0) visit_others(packet);
     if (packet.curve_lanes != 0) visit_curves(packet);
     if constexpr (std::is_same_v<AnyRay, Ray>)
       if (packet.instance_lanes != 0) visit_instances<kQuery>(packet);
@@ -280,11 +280,13 @@ class RayTraversal {
     update_limit();
   }
 
-  // Tests spheres, disks and cylinders.
-  void visit_analytic(const BvhPacket& packet, unsigned lanes) {
-    for (; lanes != 0; lanes &= lanes - 1) {
+  // Tests spheres, disks, cylinders and moving triangles.
+  void visit_others(const BvhPacket& packet) {
+    for (unsigned lanes = packet.sphere_lanes | packet.quadric_lanes; lanes != 0; lanes &= lanes - 1) {
       primitives_.intersect(packet.primitives[std::countr_zero(lanes)], ray_, hit_);
     }
+    if (packet.moving_lanes != 0)
+      for_each_moving_hit(packet, primitives_, ray_, [this](const Hit& hit) { hit_.improve(ray_, hit); });
     update_limit();
   }
 

@@ -14,7 +14,7 @@ namespace tessera::core {
 class RaysInObject {
  public:
   RaysInObject(const Primitives& scene, const Instance& instance, const RayColumns<Ray>& rays, RaySet set)
-      : set_(set) {
+      : time_(rays.time), set_(set) {
     if (instance.motion != kStill) {
       move_each(scene, instance, rays);
       return;
@@ -27,7 +27,8 @@ class RaysInObject {
   ObjectRay ray(std::size_t i, float t_max) const {
     return {{origin_[0][i], origin_[1][i], origin_[2][i]},
             {direction_[0][i], direction_[1][i], direction_[2][i]},
-            t_max};
+            t_max,
+            time_[i]};
   }
 
   // Calls what(rays) for the rays of each octant, if there are any.
@@ -69,6 +70,7 @@ class RaysInObject {
     }
   }
 
+  const float* time_;
   RaySet set_, negative_[3] = {};  // rays whose direction is negative along each axis
   alignas(kVectorAlignment) double origin_[3][kGroupSize];
   alignas(kVectorAlignment) double direction_[3][kGroupSize];

@@ -12,13 +12,14 @@ namespace tessera::core {
 
 // As Ray. t is the same along both, since the direction is not normalised.
 struct ObjectRay {
-  ObjectRay(Vec3d origin_value, Vec3d direction_value, float t_max_value)
-      : origin(origin_value), direction(direction_value), t_max(t_max_value) {}
+  ObjectRay(Vec3d origin_value, Vec3d direction_value, float t_max_value, float time_value = 0)
+      : origin(origin_value), direction(direction_value), t_max(t_max_value), time(time_value) {}
   // Converts a ray that is in object space already.
-  explicit ObjectRay(const Ray& ray) : origin(ray.origin), direction(ray.direction), t_max(ray.t_max) {}
+  explicit ObjectRay(const Ray& ray)
+      : origin(ray.origin), direction(ray.direction), t_max(ray.t_max), time(ray.time) {}
 
   Vec3d origin, direction;
-  float t_max;
+  float t_max, time;
 };
 
 }  // namespace tessera::core

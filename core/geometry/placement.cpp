@@ -54,7 +54,7 @@ bool Placement::can_place(const Transform& t) {
 }
 
 ObjectRay Placement::to_object(const Ray& ray) const {
-  return {object_point(Vec3d(ray.origin)), object_vector(Vec3d(ray.direction)), ray.t_max};
+  return {object_point(Vec3d(ray.origin)), object_vector(Vec3d(ray.direction)), ray.t_max, ray.time};
 }
 
 Aabb Placement::bounds(const Aabb& box) const {

@@ -165,6 +165,7 @@ Aabb Primitives::bounds(std::uint32_t primitive) const {
   if (is_disk(primitive)) return disk(primitive).can_be_hit() ? disk(primitive).bounds() : Aabb{};
   if (is_cylinder(primitive)) return cylinder(primitive).bounds();
   if (is_curve(primitive)) return curve(primitive).bounds();
+  if (is_moving_triangle(primitive)) return moving_triangle_bounds(primitive);
   Aabb box;
   const TriangleCorners corners = triangle_corners(primitive);
   if (!can_be_hit(corners)) return box;
@@ -214,9 +215,11 @@ bool Primitives::intersect_shape(std::uint32_t primitive, const AnyRay& ray, Hit
     return found && hit.improve(ray, {static_cast<float>(found->t), primitive, 0, 0});
   }
   if (is_curve(primitive)) return intersect_curve(primitive, curve_source(primitive), ray, hit);
-  const TriangleCorners corners = triangle_corners(primitive);
+  const TriangleCorners corners = triangle_corners(primitive, ray.time);
   const auto found = intersect_triangle(ShearedRay(ray), corners);
-  return found && can_be_hit(corners) && hit.improve(ray, {found->t, primitive, found->b1, found->b2});
+  return found && can_be_hit(corners) &&
+         hit.improve(ray, {found->t, primitive, found->b1, found->b2, kNoInstance,
+                           is_moving_triangle(primitive) ? ray.time : 0});
 }
 
 bool Primitives::intersect_instance(std::uint32_t number, const Ray& ray, Hit& hit) const {
@@ -263,6 +266,11 @@ Primitives::ObjectPoint Primitives::triangle_point(const Hit& hit) const {
                               .b2 = hit.b2};
   if (!normals_.empty()) at_hit.normals = {normals_[v0], normals_[v1], normals_[v2]};
   if (!uvs_.empty()) at_hit.uvs = {uvs_[v0], uvs_[v1], uvs_[v2]};
+  if (is_moving_triangle(hit.primitive)) {
+    const MovingTriangle moving = moving_triangle(hit.primitive, hit.time);
+    at_hit.corners = moving.corners;
+    at_hit.normals = moving.normals;
+  }
   return point_of_triangle(at_hit);
 }
 
@@ -274,7 +282,7 @@ Primitives::ObjectPoint Primitives::sphere_point(const AnyRay& ray, const Hit& h
 Tangents Primitives::tangents(const Hit& hit, const SurfacePoint& point) const {
   if (hit.in_instance()) return instance_tangents(hit, point);
   if (is_sphere(hit.primitive)) return sphere_tangents(point.geometric_normal);
-  const ModelTangents tangents = model_tangents(hit.primitive, point.geometric_normal, point.uv);
+  const ModelTangents tangents = model_tangents(hit, point.geometric_normal, point.uv);
   return {unit_or_zero(tangents.along_u), unit_or_zero(tangents.along_v)};
 }
 
@@ -290,7 +298,7 @@ Tangents Primitives::instance_tangents(const Hit& hit, const SurfacePoint& point
       const Vec3 normal = object.is_curve(hit.primitive)
                               ? unit_or_zero(placement.object_normal(Vec3d(point.geometric_normal)))
                               : Vec3{};
-      tangents = object.model_tangents(hit.primitive, normal, point.uv);
+      tangents = object.model_tangents(hit, normal, point.uv);
     }
     return {unit_or_zero(placement.vector(tangents.along_u)),
             unit_or_zero(placement.vector(tangents.along_v))};
@@ -298,12 +306,11 @@ Tangents Primitives::instance_tangents(const Hit& hit, const SurfacePoint& point
 }
 
 // Solves e1 = du1 dp/du + dv1 dp/dv and e2 = du2 dp/du + dv2 dp/dv.
-Primitives::ModelTangents Primitives::triangle_tangents(const Triangle& t) const {
+Primitives::ModelTangents Primitives::triangle_tangents(const Hit& hit) const {
   if (uvs_.empty()) return {};
-  const auto& [v0, v1, v2] = t;
-  const Vec3d p0(positions_[v0]);
-  const Vec3d e1 = Vec3d(positions_[v1]) - p0, e2 = Vec3d(positions_[v2]) - p0;
-  const Vec2 uv0 = uvs_[v0], uv1 = uvs_[v1], uv2 = uvs_[v2];
+  const TriangleCorners corners = triangle_corners(hit.primitive, hit.time);
+  const Vec3d p0(corners[0]), e1 = Vec3d(corners[1]) - p0, e2 = Vec3d(corners[2]) - p0;
+  const auto [uv0, uv1, uv2] = triangle_uvs(hit.primitive);
   const double du1 = double{uv1.x} - double{uv0.x}, dv1 = double{uv1.y} - double{uv0.y};
   const double du2 = double{uv2.x} - double{uv0.x}, dv2 = double{uv2.y} - double{uv0.y};
   const double det = du1 * dv2 - du2 * dv1;
@@ -320,17 +327,17 @@ UvDerivatives Primitives::uv_derivatives(const Hit& hit, const SurfacePoint& poi
     return {to_world(factor * tangents.along_u).rounded(), to_world(factor * tangents.along_v).rounded()};
   };
   if (!hit.in_instance())
-    return derivatives(model_tangents(hit.primitive, point.geometric_normal, point.uv),
-                       [](Vec3d v) { return v; });
+    return derivatives(model_tangents(hit, point.geometric_normal, point.uv), [](Vec3d v) { return v; });
   return with_placement(hit, [&](const Placement& place) {
     const Vec3 normal = unit_or_zero(place.object_normal(Vec3d(point.geometric_normal)));
-    return derivatives(object_of(instances_[hit.instance]).model_tangents(hit.primitive, normal, point.uv),
+    return derivatives(object_of(instances_[hit.instance]).model_tangents(hit, normal, point.uv),
                        [&](Vec3d v) { return place.vector(v); });
   });
 }
 
-Primitives::ModelTangents Primitives::model_tangents(std::uint32_t primitive, Vec3 normal, Vec2 uv) const {
-  if (is_triangle(primitive)) return triangle_tangents(triangles_[primitive]);
+Primitives::ModelTangents Primitives::model_tangents(const Hit& hit, Vec3 normal, Vec2 uv) const {
+  const std::uint32_t primitive = hit.primitive;
+  if (is_triangle(primitive)) return triangle_tangents(hit);
   if (!is_sphere(primitive)) {
     const auto [along_u, along_v] = analytic_derivatives(primitive, normal, uv);
     return {along_u, along_v, 1};

@@ -24,6 +24,7 @@
 #include "core/geometry/sphere.hpp"
 #include "core/geometry/surface.hpp"
 #include "core/geometry/triangle.hpp"
+#include "core/geometry/vertex_motion.hpp"
 #include "core/math/lane_array.hpp"
 #include "core/math/rgb.hpp"
 #include "core/math/simd_double8.hpp"
@@ -53,6 +54,9 @@ class Primitives {
   void add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& normals, const std::vector<Vec2>& uvs,
                 std::vector<Triangle> triangles, const std::vector<std::uint32_t>& triangle_materials,
                 const std::vector<Rgb>& colors = {});
+  // Lets the mesh that was added last deform. `steps` must be sound for it. All meshes that deform must be
+  // added after all others. They are at rest until deform() is called.
+  void deform_last_mesh(const std::vector<MeshStep>& steps, std::uint32_t first_triangle);
   void add_sphere(Vec3 center, float radius, std::uint32_t material);
   void add_disk(const Disk& disk, std::uint32_t material);
   void add_cylinder(const Cylinder& cylinder, std::uint32_t material);
@@ -73,8 +77,13 @@ class Primitives {
   }
   // Lets no instance move any more.
   void stop_instances();
+  // Shows meshes that deform, also those of objects, as they are while the shutter is open; if it takes no
+  // time, at a frame. Bounds instances anew that do not move.
+  void deform(float frame, FrameInterval shutter);
+  // Whether there are meshes that deform, also those of objects.
+  bool can_deform() const;
   // Whether hits depend on the times of rays.
-  bool has_motion() const { return !motions_.empty(); }
+  bool has_motion() const { return !motions_.empty() || is_deforming_; }
 
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }
   std::uint32_t sphere_count() const { return static_cast<std::uint32_t>(spheres_.size()); }
@@ -83,13 +92,19 @@ class Primitives {
   std::uint32_t shape_count() const { return first_curve() + curves_.part_count(); }
   std::uint32_t count() const { return shape_count() + instance_count(); }
   bool is_triangle(std::uint32_t primitive) const { return primitive < triangle_count(); }
+  // Whether it is a triangle that deforms while the shutter is open.
+  bool is_moving_triangle(std::uint32_t primitive) const {
+    return primitive - first_moving_ < moving_triangles_;
+  }
   bool is_sphere(std::uint32_t primitive) const { return primitive - triangle_count() < sphere_count(); }
   bool is_disk(std::uint32_t primitive) const { return primitive - first_disk() < disks_.size(); }
   bool is_cylinder(std::uint32_t primitive) const { return primitive - first_cylinder() < cylinders_.size(); }
   // Whether it is a part of a curve.
   bool is_curve(std::uint32_t primitive) const { return primitive - first_curve() < curves_.part_count(); }
-  // Whether the hit is a triangle outside all instances.
-  bool is_plain_triangle(const Hit& hit) const { return !hit.in_instance() && is_triangle(hit.primitive); }
+  // Whether the hit is a triangle outside all instances, which does not move.
+  bool is_plain_triangle(const Hit& hit) const { return is_plain(hit) && is_triangle(hit.primitive); }
+  // The same of a hit that is a triangle.
+  bool is_plain(const Hit& hit) const { return !hit.in_instance() && !is_moving_triangle(hit.primitive); }
   bool is_instance(std::uint32_t primitive) const { return primitive >= shape_count(); }
 
   const std::vector<Primitives>& objects() const { return objects_; }
@@ -132,9 +147,15 @@ class Primitives {
       if (!uvs_.empty()) prefetch(uvs_[vertex]);
     }
   }
+  // Of a triangle that moves: in the middle of the time while the shutter is open.
   TriangleCorners triangle_corners(std::uint32_t primitive) const {
     const auto& [v0, v1, v2] = triangles_[primitive];
     return {positions_[v0], positions_[v1], positions_[v2]};
+  }
+  // At a time from 0, when the shutter opens, to 1, when it closes.
+  TriangleCorners triangle_corners(std::uint32_t primitive, float time) const {
+    return is_moving_triangle(primitive) ? moving_triangle(primitive, time).corners
+                                         : triangle_corners(primitive);
   }
   std::array<Vec2, 3> triangle_uvs(std::uint32_t primitive) const {
     if (uvs_.empty()) return {};
@@ -198,6 +219,15 @@ class Primitives {
     Vec3d along_u, along_v;
     double scale = 0;
   };
+  // The vertices of a mesh that deforms.
+  struct DeformingMesh {
+    std::uint32_t first_triangle, first_vertex;
+    std::shared_ptr<const VertexMotion> motion;
+  };
+  struct MovingTriangle {
+    TriangleCorners corners;
+    std::array<Vec3, 3> normals;  // zero for flat shading
+  };
   // Boxes of an object's parts, which bound its instances more tightly than its transformed bounding box.
   using Outline = std::vector<Aabb>;
 
@@ -205,6 +235,9 @@ class Primitives {
   bool intersect_shape(std::uint32_t primitive, const AnyRay& ray, Hit& hit) const;
   bool intersect_instance(std::uint32_t number, const Ray& ray, Hit& hit) const;
   ObjectPoint triangle_point(const Hit& hit) const;
+  const DeformingMesh& mesh_of(std::uint32_t moving_triangle) const;
+  MovingTriangle moving_triangle(std::uint32_t primitive, float time) const;
+  Aabb moving_triangle_bounds(std::uint32_t primitive) const;
   // Of any shape.
   template <typename AnyRay>
   ObjectPoint shape_point(const AnyRay& ray, const Hit& hit) const;
@@ -217,21 +250,30 @@ class Primitives {
   }
   SurfacePoint instance_surface(const Ray& ray, const Hit& hit) const;
   // Kinds of primitives whose surface points are computed in lanes; the last is all others.
-  enum SurfaceKind { kPlainTriangle, kInstancedTriangle, kPlainSphere, kInstancedSphere, kOtherSurface };
-  static constexpr std::size_t kSurfaceKinds = 5;
+  enum SurfaceKind {
+    kPlainTriangle,
+    kInstancedTriangle,
+    kMovingTriangle,
+    kInstancedMovingTriangle,
+    kPlainSphere,
+    kInstancedSphere,
+    kOtherSurface
+  };
+  static constexpr std::size_t kSurfaceKinds = 7;
   SurfaceKind surface_kind(const Hit& hit) const;
   SurfacePointOf<Float8> surfaces_of(SurfaceKind kind, unsigned lanes, const RayPointers& rays,
                                      const HitPointers& hits) const;
   AffineMapOf<Double8> placements_of(const HitPointers& hits) const;
   SurfacePointOf<Float8> instanced_triangle_surfaces(const HitPointers& hits) const;
+  ObjectPointOf<Float8> moving_triangle_points(const HitPointers& hits) const;
   SurfacePointOf<Float8> sphere_surfaces(const RayPointers& rays, const HitPointers& hits) const;
   SurfacePointOf<Float8> instanced_sphere_surfaces(const RayPointers& rays, const HitPointers& hits) const;
   SurfacePointOf<Float8> surfaces_one_by_one(unsigned lanes, const RayPointers& rays,
                                              const HitPointers& hits) const;
-  ModelTangents triangle_tangents(const Triangle& triangle) const;
+  ModelTangents triangle_tangents(const Hit& hit) const;
   Tangents instance_tangents(const Hit& hit, const SurfacePoint& point) const;
-  // The tangents of a shape at its object-space normal and texture coordinates.
-  ModelTangents model_tangents(std::uint32_t primitive, Vec3 normal, Vec2 uv) const;
+  // The tangents of the shape that was hit, at its object-space normal and texture coordinates.
+  ModelTangents model_tangents(const Hit& hit, Vec3 normal, Vec2 uv) const;
   // Of disks, cylinders and curves.
   WideDerivatives analytic_derivatives(std::uint32_t primitive, Vec3 normal, Vec2 uv) const;
   Rgb color_at(const Hit& hit) const;
@@ -239,12 +281,17 @@ class Primitives {
   Aabb instance_box(const Instance& instance) const;
 
   std::vector<Vec3> positions_;
-  std::vector<Vec3> normals_;  // unit length; zero if missing; empty if no mesh has any
-  std::vector<Vec2> uvs_;      // empty if no mesh has any
-  std::vector<Rgb> colors_;    // empty if no mesh has any
+  // Unit length, but for meshes that deform between two steps; zero if missing; empty if no mesh has any.
+  std::vector<Vec3> normals_;
+  std::vector<Vec2> uvs_;    // empty if no mesh has any
+  std::vector<Rgb> colors_;  // empty if no mesh has any
   bool has_vertex_colors_ = false;
   std::vector<Triangle> triangles_;
   std::vector<std::uint32_t> triangle_materials_;
+  std::vector<DeformingMesh> deforming_;  // of the last triangles
+  FrameInterval shutter_;                 // of these and of objects
+  std::uint32_t first_moving_ = 0, moving_triangles_ = 0;
+  bool is_deforming_ = false;  // some of these or of objects are moving triangles
   std::vector<Sphere> spheres_;
   std::vector<Disk> disks_;
   std::vector<Cylinder> cylinders_;

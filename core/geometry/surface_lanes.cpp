@@ -89,6 +89,8 @@ struct SpheresAtHits {
 
 Primitives::SurfaceKind Primitives::surface_kind(const Hit& hit) const {
   const Primitives& mesh = owner(hit);
+  if (mesh.is_moving_triangle(hit.primitive))
+    return hit.in_instance() ? kInstancedMovingTriangle : kMovingTriangle;
   if (mesh.is_triangle(hit.primitive)) return hit.in_instance() ? kInstancedTriangle : kPlainTriangle;
   if (mesh.is_sphere(hit.primitive)) return hit.in_instance() ? kInstancedSphere : kPlainSphere;
   return kOtherSurface;
@@ -101,6 +103,12 @@ SurfacePointOf<Float8> Primitives::surfaces_of(SurfaceKind kind, unsigned lanes,
       return triangle_surfaces(filled(hits, lanes));
     case kInstancedTriangle:
       return instanced_triangle_surfaces(filled(hits, lanes));
+    case kMovingTriangle:
+      return in_world(IdentityTransform(), moving_triangle_points(filled(hits, lanes)));
+    case kInstancedMovingTriangle: {
+      const HitPointers all = filled(hits, lanes);
+      return in_world(placements_of(all), moving_triangle_points(all));
+    }
     case kPlainSphere:
       return sphere_surfaces(filled(rays, lanes), filled(hits, lanes));
     case kInstancedSphere:
@@ -179,6 +187,32 @@ SurfacePointOf<Float8> Primitives::instanced_triangle_surfaces(const HitPointers
     at_hit.uvs[corner] = {u, v};
   }
   return in_world(placements_of(hits), point_of_triangle(at_hit));
+}
+
+// The vertices are interpolated lane by lane.
+ObjectPointOf<Float8> Primitives::moving_triangle_points(const HitPointers& hits) const {
+  std::array<Vec3Lanes, 3> corners, normals;
+  std::array<FloatLanes, 3> u, v;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const Hit& hit = *hits[lane];
+    const Primitives& mesh = owner(hit);
+    const MovingTriangle moving = mesh.moving_triangle(hit.primitive, hit.time);
+    const std::array<Vec2, 3> uvs = mesh.triangle_uvs(hit.primitive);
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      corners[corner].set(lane, moving.corners[corner]);
+      normals[corner].set(lane, moving.normals[corner]);
+      u[corner].set(lane, uvs[corner].x);
+      v[corner].set(lane, uvs[corner].y);
+    }
+  }
+  TriangleAtHit<Float8> at_hit;
+  set_barycentrics(hits, at_hit);
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    at_hit.corners[corner] = corners[corner].all();
+    at_hit.normals[corner] = normals[corner].all();
+    at_hit.uvs[corner] = {u[corner].all(), v[corner].all()};
+  }
+  return point_of_triangle(at_hit);
 }
 
 SurfacePointOf<Float8> Primitives::sphere_surfaces(const RayPointers& rays, const HitPointers& hits) const {
