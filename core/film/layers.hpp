@@ -40,30 +40,44 @@ enum class Layer : std::uint8_t {
 };
 inline constexpr std::size_t kLayerCount = 18;
 
+// The most light groups of a scene, and what their names are made of: 1 to 64 letters, digits, '_' and '-'.
+inline constexpr std::size_t kMaxLightGroups = 32;
+inline constexpr std::string_view kGroupNameRule = "must be 1 to 64 letters, digits, '_' and '-'";
+bool is_group_name(std::string_view name);
+
 // A set of layers. The beauty is part of every image and of no set.
 struct LayerSet {
   std::uint32_t bits = 0;  // bit i for the layer of value i
+  // Those of all light groups of the scene, until their names are known (core/scene/light_groups.hpp).
+  bool light_groups = false;
+  // Light groups by name, each a layer of its own: all light of the lights of this group, without the clamp
+  // of indirect light. If all lights have a group, these layers add up to the beauty.
+  std::vector<std::string> groups{};
 
-  constexpr bool has(Layer layer) const { return (bits >> static_cast<unsigned>(layer) & 1) != 0; }
-  constexpr LayerSet with(Layer layer) const { return {bits | 1u << static_cast<unsigned>(layer)}; }
-  constexpr bool empty() const { return bits == 0; }
-  constexpr bool intersects(LayerSet other) const { return (bits & other.bits) != 0; }
-  // Whether all members are layers.
-  constexpr bool valid() const { return bits >> kLayerCount == 0; }
+  bool has(Layer layer) const { return (bits >> static_cast<unsigned>(layer) & 1) != 0; }
+  bool has_group(std::string_view name) const;
+  LayerSet with(Layer layer) const {
+    return {bits | 1u << static_cast<unsigned>(layer), light_groups, groups};
+  }
+  bool empty() const { return bits == 0 && !light_groups && groups.empty(); }
+  // Whether they have a layer in common that is no light group.
+  bool intersects(const LayerSet& other) const { return (bits & other.bits) != 0; }
+  // Whether all members are layers, and groups have names.
+  bool valid() const;
   bool operator==(const LayerSet&) const = default;
 };
 
-inline constexpr LayerSet kAllLayers{(1u << kLayerCount) - 1};
+inline const LayerSet kAllLayers{(1u << kLayerCount) - 1, true};
 
 // "alpha", "direct", "indirect", "emission", "environment", "albedo", "normal", "depth", "position", "uv",
 // "object_index", "material_index", "instance_index", "crypto_object", "crypto_material", "crypto_asset",
 // "samples", "standard_error".
 std::string_view layer_name(Layer layer);
-// All of them, in the order of the enumerators.
-std::vector<std::string_view> layer_names(LayerSet layers = kAllLayers);
+// All of them, in the order of the enumerators; then "light_groups" and, for groups, "group.NAME".
+std::vector<std::string> layer_names(const LayerSet& layers = kAllLayers);
 // "all", "none", or names separated by commas: as `--layers` takes them. The error lists the names.
 Result<LayerSet> parse_layers(std::string_view text);
-// What parse_layers() takes for this set.
-std::string layers_text(LayerSet layers);
+// What parse_layers() takes for this set; "all" also for all layers but light groups.
+std::string layers_text(const LayerSet& layers);
 
 }  // namespace tessera::core

@@ -55,20 +55,31 @@ const FilmLayout& rgb_layout() {
   return kRgb;
 }
 
-FilmLayout film_layout(LayerSet layers) {
+FilmLayout film_layout(const LayerSet& layers) {
   FilmLayout layout = rgb_layout();
   for (const FilmChannels& of_layer : kFilmChannels)
     if (layers.has(of_layer.layer)) append_channels(of_layer, layout.channels);
+  for (const std::string& group : layers.groups)
+    append_channels({{}, group_channel(group), "RGB", ChannelEncoding::kSum}, layout.channels);
   return layout;
 }
 
-std::size_t first_plane(LayerSet layers, Layer layer) {
+std::size_t first_plane(const LayerSet& layers, Layer layer) {
   std::size_t planes = 0;
   for (const FilmChannels& of_layer : kFilmChannels) {
     if (of_layer.layer == layer) break;
     if (layers.has(of_layer.layer)) planes += std::max<std::size_t>(of_layer.components.size(), 1);
   }
   return planes;
+}
+
+std::size_t first_group_plane(const LayerSet& layers, std::size_t group) {
+  constexpr std::size_t kColors = 3;
+  return film_layout(layers).planes() - kColors * (layers.groups.size() - group);
+}
+
+std::string group_channel(std::string_view group) {
+  return "Combined_" + std::string(group);
 }
 
 }  // namespace tessera::core

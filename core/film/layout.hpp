@@ -17,6 +17,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/film/layers.hpp"
@@ -66,10 +67,14 @@ const FilmLayout& rgb_layout();
 
 // R, G and B, and the channels of the layers. kSamples and kStandardError have none: they follow from the
 // others.
-FilmLayout film_layout(LayerSet layers);
+FilmLayout film_layout(const LayerSet& layers);
 
 // The first plane of a layer that is among `layers`, and has channels in the film; those of its further
 // channels follow.
-std::size_t first_plane(LayerSet layers, Layer layer);
+std::size_t first_plane(const LayerSet& layers, Layer layer);
+// The same of one of the light groups of `layers`, by its index there.
+std::size_t first_group_plane(const LayerSet& layers, std::size_t group);
+// "Combined_NAME", of which ".R", ".G" and ".B" are the channels of a light group.
+std::string group_channel(std::string_view group);
 
 }  // namespace tessera::core

@@ -8,6 +8,7 @@
 #include <new>
 #include <string_view>
 
+#include "core/image/exr.hpp"
 #include "core/image/limits.hpp"
 
 namespace tessera::core {
@@ -95,6 +96,13 @@ Result<ImageSize> image_size(std::string_view bytes) {
   const Codec* codec = find_codec(bytes);
   if (codec == nullptr) return unknown_format(bytes);
   return with_memory([&] { return size_with(*codec, bytes); });
+}
+
+Result<std::vector<std::string>> image_layers(std::string_view bytes) {
+  const Codec* codec = find_codec(bytes);
+  if (codec == nullptr) return unknown_format(bytes);
+  if (codec != &kExrCodec) return std::vector<std::string>{""};
+  return with_memory([&] { return exr_layers(bytes); });
 }
 
 Result<DecodedImage> decode_pixels(std::string_view bytes, const DecodeOptions& options) {

@@ -4,7 +4,9 @@
 // with the same library versions. Stateless; thread-safe.
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/error.hpp"
 #include "core/image/codec.hpp"
@@ -13,6 +15,11 @@ namespace tessera::core {
 
 // The image size from the header of an image file, without decoding pixels.
 Result<ImageSize> image_size(std::string_view bytes);
+
+// The layers of an OpenEXR file, as DecodeOptions::layer takes them: "" is the image itself. Channels that
+// are in no layer of up to three channels stand by their own names, so that all layers together have every
+// channel of the file. Other formats have the image alone.
+Result<std::vector<std::string>> image_layers(std::string_view bytes);
 
 // Decodes PNG, JPEG, Radiance HDR, OpenEXR, PFM, TIFF, WebP, BMP and TGA; docs/scene-format.md lists the
 // supported variants. Memory use is proportional to the size in the header, whatever else is in the file.

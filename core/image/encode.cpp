@@ -154,10 +154,11 @@ std::uint64_t encoding_bytes(std::uint64_t width) {
 }
 
 Result<std::string> encode_image(const Image& image, ImageFormat format, const DisplaySettings& display,
-                                 const std::optional<ImagePosition>& position) {
+                                 const std::optional<ImagePosition>& position,
+                                 const std::vector<std::pair<std::string, std::string>>& attributes) {
   StringSink sink;
   const RowSource source{image.width, image.height,
-                         [&](int y) -> Result<const Rgb*> { return &image.at(0, y); }, position};
+                         [&](int y) -> Result<const Rgb*> { return &image.at(0, y); }, position, attributes};
   const auto size = write_image(source, format, display, sink);
   if (!size) return fail(size.error());
   return sink.take();

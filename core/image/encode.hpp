@@ -41,7 +41,8 @@ struct ImagePosition {
 // The bytes of the file. `display` applies to PNG; the other formats store linear light. Fails only for
 // sizes that check_encodable rejects, or if memory runs out.
 Result<std::string> encode_image(const Image& image, ImageFormat format, const DisplaySettings& display = {},
-                                 const std::optional<ImagePosition>& position = {});
+                                 const std::optional<ImagePosition>& position = {},
+                                 const std::vector<std::pair<std::string, std::string>>& attributes = {});
 
 // An image that is read row by row, such as one that does not fit into memory.
 struct RowSource {
@@ -51,6 +52,8 @@ struct RowSource {
   std::function<Result<const Rgb*>(int y)> row;
   using Position = ImagePosition;
   std::optional<Position> position{};
+  // Texts for the header of OpenEXR files.
+  std::vector<std::pair<std::string, std::string>> attributes{};
 };
 
 // An image of any channels, the first of which are R, G and B.

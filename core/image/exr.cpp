@@ -23,6 +23,7 @@
 
 #include "core/image/codec.hpp"
 #include "core/image/exr_header.hpp"
+#include "core/image/exr_layers.hpp"
 
 namespace tessera::core {
 namespace {
@@ -123,55 +124,6 @@ void write_rows(const ChannelRows& source, Imf::OutputFile& file) {
   }
 }
 
-// The names of the red, green, blue and alpha channels; for gray all three colours have the same name.
-struct ChannelNames {
-  std::array<std::string, 3> colors;
-  std::string alpha;
-};
-
-// The channels of a layer ("Normal", "view.Normal"), of up to three components, or a channel by its whole
-// name ("Depth.Z"), which makes a gray image.
-std::optional<ChannelNames> layer_channels(const Imf::ChannelList& channels, const std::string& layer) {
-  if (channels.findChannel(layer) != nullptr) return ChannelNames{{layer, layer, layer}, ""};
-  for (const std::string_view components : {"RGB", "XYZ", "rgb", "UVA"}) {
-    ChannelNames names;
-    std::size_t found = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      names.colors[i] = layer + "." + components[i];
-      if (found == i && channels.findChannel(names.colors[i]) != nullptr) ++found;
-    }
-    if (found == 3 || (found == 2 && components == "UVA")) {
-      if (found == 2) names.colors[2].clear();
-      return names;
-    }
-  }
-  for (const char component : {'X', 'Z', 'V', 'Y'})
-    if (const std::string name = layer + "." + component; channels.findChannel(name) != nullptr)
-      return ChannelNames{{name, name, name}, ""};
-  return std::nullopt;
-}
-
-// The channels of the image itself, or of the first layer with colour channels ("view.combined.R").
-std::optional<ChannelNames> color_channels(const Imf::ChannelList& channels) {
-  const auto has = [&](const std::string& name) { return channels.findChannel(name) != nullptr; };
-  const auto of_layer = [&](const std::string& layer) -> std::optional<ChannelNames> {
-    if (!has(layer + "R") || !has(layer + "G") || !has(layer + "B")) return std::nullopt;
-    return ChannelNames{{layer + "R", layer + "G", layer + "B"}, layer + "A"};
-  };
-  if (auto names = of_layer("")) return names;
-  if (has("Y")) return ChannelNames{{"Y", "Y", "Y"}, "A"};
-  for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
-    const std::string name = channel.name();
-    if (!name.ends_with(".R")) continue;
-    if (auto names = of_layer(name.substr(0, name.size() - 1))) return names;
-  }
-  return std::nullopt;
-}
-
-bool has_chroma(const Imf::ChannelList& channels) {
-  return channels.findChannel("RY") != nullptr || channels.findChannel("BY") != nullptr;
-}
-
 Result<DecodedImage> read_channels(Imf::InputFile& file, ImageSize size, const ChannelNames& names,
                                    bool keep_alpha) {
   const bool has_alpha = keep_alpha && file.header().channels().findChannel(names.alpha) != nullptr;
@@ -209,13 +161,6 @@ Result<DecodedImage> read_luminance_chroma(StringReader& stream, ImageSize size)
   return DecodedImage{.size = size, .channels = 3, .values = std::move(values), .warnings = {}};
 }
 
-std::string channel_list(const Imf::ChannelList& channels) {
-  std::string names;
-  for (auto channel = channels.begin(); channel != channels.end(); ++channel)
-    names += (names.empty() ? "" : ", ") + printable_reason(channel.name());
-  return names;
-}
-
 Result<DecodedImage> read_pixels(StringReader& stream, ImageSize size, const DecodeOptions& options) {
   const bool keep_alpha = options.keep_alpha;
   {
@@ -224,9 +169,7 @@ Result<DecodedImage> read_pixels(StringReader& stream, ImageSize size, const Dec
     if (!options.layer.empty()) {
       const auto names = layer_channels(channels, std::string(options.layer));
       if (names) return read_channels(file, size, *names, false);
-      return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("has no layer or channel '{}'; its channels are {}", options.layer,
-                              channel_list(channels)));
+      return no_such_layer(channels, options.layer);
     }
     const auto names = color_channels(channels);
     if (!names)
@@ -253,12 +196,14 @@ Result<ImageSize> read_size(std::string_view bytes) {
   return header->size;
 }
 
-Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const DecodeOptions& options) {
+// What `read` returns of the file, whose exceptions become errors.
+template <typename Read>
+auto with_stream(std::string_view bytes, const Read& read) -> decltype(read(std::declval<StringReader&>())) {
   const auto header = checked_exr_header(bytes);
   if (!header) return broken_exr(header.error().message);
   try {
     StringReader stream(header->bytes, bytes);
-    return read_pixels(stream, size, options);
+    return read(stream);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {
@@ -266,7 +211,17 @@ Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const Decode
   }
 }
 
+Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const DecodeOptions& options) {
+  return with_stream(bytes, [&](StringReader& stream) { return read_pixels(stream, size, options); });
+}
+
 }  // namespace
+
+Result<std::vector<std::string>> exr_layers(std::string_view bytes) {
+  return with_stream(bytes, [](StringReader& stream) -> Result<std::vector<std::string>> {
+    return layers_of(Imf::InputFile(stream, 0).header().channels());
+  });
+}
 
 Result<std::uint64_t> write_exr(const ChannelRows& source, ByteSink& sink) {
   try {
@@ -293,7 +248,9 @@ Result<std::uint64_t> write_exr(const RowSource& source, ByteSink& sink) {
     if (!pixels) return fail(pixels.error());
     return &(*pixels)->r;
   };
-  return write_exr(ChannelRows{source.width, source.height, {"R", "G", "B"}, row, source.position}, sink);
+  return write_exr(
+      ChannelRows{source.width, source.height, {"R", "G", "B"}, row, source.position, source.attributes},
+      sink);
 }
 
 const Codec kExrCodec{"OpenEXR", true, matches, read_size, decode};

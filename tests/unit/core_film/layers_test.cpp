@@ -34,6 +34,32 @@ TEST(Layers, AreNamedOnCommandLines) {
   EXPECT_EQ(layers_text(parse_layers("depth,alpha").value()), "alpha,depth");
   for (const char* const wrong : {"", "Alpha", "alpha,", "alpha,all", "beauty"})
     EXPECT_THAT(parse_layers(wrong).error().message, HasSubstr("object_index")) << wrong;
+  EXPECT_THAT(parse_layers("normal,dpeth").error().message,
+              HasSubstr("there is no layer 'dpeth'; did you mean 'depth'? Write all,"));
+}
+
+TEST(Layers, OfLightGroupsHaveNames) {
+  const LayerSet groups = parse_layers("group.key,depth,group.fill-2,group.key").value();
+  EXPECT_THAT(groups.groups, ElementsAre("key", "fill-2"));
+  EXPECT_EQ(layers_text(groups), "depth,group.key,group.fill-2");
+  EXPECT_EQ(parse_layers(layers_text(groups)).value(), groups);
+  EXPECT_TRUE(parse_layers("light_groups")->light_groups);
+  for (const char* const wrong : {"group.", "group.a.b", "group.a b", "group", "groups.a"})
+    EXPECT_FALSE(parse_layers(wrong)) << wrong;
+  EXPECT_FALSE(is_group_name(std::string(65, 'a')));
+  EXPECT_FALSE((LayerSet{0, false, {"a.b"}}.valid()));
+}
+
+TEST(Layers, OfLightGroupsHaveChannelsBehindOthers) {
+  LayerSet layers = LayerSet{}.with(Layer::kSamples).with(Layer::kCryptoAsset).with(Layer::kAlpha);
+  layers.groups = {"key", "fill"};
+  EXPECT_EQ(film_layout(layers).planes(), 8u);
+  EXPECT_EQ(first_group_plane(layers, 0), 2u);
+  EXPECT_EQ(first_group_plane(layers, 1), 5u);
+  EXPECT_EQ(film_layout(layers).plane(5).name, "Combined_fill.R");
+  const std::vector<std::string> names = image_channels(layers);
+  EXPECT_EQ(names[names.size() - 2], "Combined_fill.B");
+  EXPECT_EQ(names.back(), "Debug Sample Count.X");
 }
 
 TEST(Layers, HaveTheirChannelsInAFixedOrder) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/image/codecs.hpp"
 #include "core/image/decode.hpp"
 #include "core/image/encode.hpp"
 #include "core/image/exr_header.hpp"
@@ -52,7 +53,26 @@ TEST_F(Channels, AreReadFromOpenExrByTheirNames) {
   EXPECT_EQ(pixel("Depth"), Rgb::gray(47));
   EXPECT_EQ(pixel("A"), Rgb::gray(43));
   EXPECT_EQ(pixel("UV"), (Rgb{48, 49, 0}));
-  EXPECT_THAT(decode_image(bytes, "normal").error().message, HasSubstr("Normal.X, Normal.Y"));
+}
+
+TEST_F(Channels, ThatAreUnknownAreToldWithThoseThatThereAre) {
+  const std::string bytes = encoded(ImageFormat::kExr);
+  EXPECT_EQ(
+      decode_image(bytes, "Norml").error().message,
+      "has no layer or channel 'Norml'; did you mean 'Normal'? Its layers are 'A', 'Depth', 'Normal', 'UV'");
+  EXPECT_THAT(decode_image(bytes, "depht").error().message, HasSubstr("did you mean 'Depth'?"));
+  EXPECT_THAT(decode_image(bytes, "Normal.x").error().message, HasSubstr("did you mean 'Normal.X'?"));
+  EXPECT_EQ(decode_image(bytes, "Mist").error().message,
+            "has no layer or channel 'Mist'; its layers are 'A', 'Depth', 'Normal', 'UV'");
+  EXPECT_THAT(decode_image(bytes, "a\nb").error().message, HasSubstr("'a\\x0ab'"));
+}
+
+TEST_F(Channels, OfALayerAreListedTogetherAndAllOthersAlone) {
+  source_.channels = {"R", "G", "B", "A", "C0.r", "C0.g", "C0.b", "C0.a", "Odd.Q", "Z"};
+  EXPECT_THAT(image_layers(encoded(ImageFormat::kExr)).value(),
+              testing::UnorderedElementsAre("", "A", "C0", "C0.a", "Odd.Q", "Z"));
+  EXPECT_THAT(image_layers(encoded(ImageFormat::kPfm)).value(), testing::ElementsAre(""));
+  EXPECT_FALSE(image_layers("no image"));
 }
 
 TEST_F(Channels, OfOtherFormatsCannotBeChosen) {
