@@ -50,7 +50,10 @@ std::string version() {
 }
 
 struct Scene::Impl {
-  core::Scene scene;
+  explicit Impl(core::Scene loaded) : scene(std::move(loaded)) {}
+
+  const core::Scene scene;
+  core::RenderPlans plans{scene};
 };
 
 Scene::Scene(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -62,7 +65,7 @@ Scene Scene::load(const std::string& path) {
   return with_errors([&] {
     auto description = value_or_throw(core::load_scene_file(path));
     auto scene = value_or_throw(core::Scene::build(std::move(description), default_threads()));
-    return Scene(std::unique_ptr<Impl>(new Impl{std::move(scene)}));
+    return Scene(std::unique_ptr<Impl>(new Impl(std::move(scene))));
   });
 }
 
@@ -76,6 +79,7 @@ Image Scene::render(const RenderOptions& options) const {
     const auto settings = value_or_throw(core::resolve_settings(impl_->scene.settings(), overrides));
     if (options.threads < 0) throw Error("threads must not be negative");
     const int threads = options.threads > 0 ? options.threads : default_threads();
+    const core::RenderPlan plan = impl_->plans.get(settings, threads);
     const core::TileGrid grid(settings.window(), core::kTilePx);
     core::Film film(grid);
     const auto pixel_samples = static_cast<double>(grid.window().pixel_count()) * settings.spp;
@@ -85,7 +89,7 @@ Image Scene::render(const RenderOptions& options) const {
          begin += spp, spp = std::min(2 * spp, kMaxSppPerPiece)) {
       const core::SampleRange range{begin, std::min(begin + spp, settings.spp)};
       for (int tile = 0; tile < grid.tile_count(); ++tile) {
-        film.add(core::render(impl_->scene, settings, grid.rect(tile), range, threads));
+        film.add(core::render(plan, grid.rect(tile), range, threads));
         done += static_cast<double>(grid.rect(tile).pixel_count()) * range.count();
         if (options.progress && !options.progress(done / pixel_samples)) {
           begin = settings.spp;

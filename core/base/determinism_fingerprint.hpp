@@ -9,6 +9,6 @@
 
 namespace tessera::core {
 
-inline constexpr std::string_view kDeterminismFingerprint = "7642c3cc4c8878d5";
+inline constexpr std::string_view kDeterminismFingerprint = "856b5075b21180bc";
 
 }  // namespace tessera::core

@@ -11,7 +11,8 @@ namespace tessera::core {
 // The destructor closes the descriptor.
 class OpenFile {
  public:
-  explicit OpenFile(int descriptor = -1) : descriptor_(descriptor) {}
+  OpenFile() = default;
+  explicit OpenFile(int descriptor) : descriptor_(descriptor) {}
   OpenFile(OpenFile&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
   OpenFile& operator=(OpenFile&& other) noexcept {
     std::swap(descriptor_, other.descriptor_);
@@ -23,9 +24,12 @@ class OpenFile {
 
   int get() const { return descriptor_; }
   bool valid() const { return descriptor_ >= 0; }
+  explicit operator bool() const { return valid(); }
+  // Releases the ownership.
+  int release() { return std::exchange(descriptor_, -1); }
 
  private:
-  int descriptor_;
+  int descriptor_ = -1;
 };
 
 }  // namespace tessera::core

@@ -42,9 +42,9 @@ constexpr std::uint64_t ray_name(int ray) {
 constexpr float kGuideTime = 0.5f;
 
 // Samples one light; visibility is not tested. `pdf` includes the choice of the light.
-std::optional<LightSample> sample_any_light(const Scene& scene, const LightSampleContext& point,
-                                            const std::array<float, 4>& u) {
-  const auto choice = scene.light_sampler().sample(point, combine_uniforms(u[2], u[3]));
+std::optional<LightSample> sample_any_light(const Scene& scene, const LightSampler& lights,
+                                            const LightSampleContext& point, const std::array<float, 4>& u) {
+  const auto choice = lights.sample(point, combine_uniforms(u[2], u[3]));
   if (choice.light == kNoLight) return std::nullopt;
   auto light = sample_light(scene.lights()[choice.light], scene.textures(), point, {u[0], u[1]},
                             MisCompensation::kOff, kGuideTime);
@@ -54,8 +54,9 @@ std::optional<LightSample> sample_any_light(const Scene& scene, const LightSampl
 
 class PhotonTracer {
  public:
-  PhotonTracer(const Scene& scene, const CausticCasters& casters)
+  PhotonTracer(const Scene& scene, const LightSampler& lights, const CausticCasters& casters)
       : scene_(scene),
+        lights_(lights),
         casters_(casters),
         beyond_scene_(static_cast<float>(3 * scene.primitives().bounding_radius())) {}
 
@@ -104,7 +105,7 @@ class PhotonTracer {
     const auto u = sampler.pad(kPlacePad);
     const auto [primitive, instance, position, inverse_density] =
         casters_.sample(combine_uniforms(u[0], u[1]), {u[2], u[3]});
-    const auto light = sample_any_light(scene_, {position, {}}, sampler.pad(kLightPad));
+    const auto light = sample_any_light(scene_, lights_, {position, {}}, sampler.pad(kLightPad));
     // Light from delta directions behind mirrors and smooth glass is not found by any path.
     if (!light || light->delta) return std::nullopt;
     const Vec3 origin = light->point ? offset_origin(*light->point, position - light->point->position)
@@ -123,13 +124,15 @@ class PhotonTracer {
   }
 
   const Scene& scene_;
+  const LightSampler& lights_;
   const CausticCasters& casters_;
   float beyond_scene_;
 };
 
 // A single-sample estimate of irradiance from indirect light, except paths of only specular scattering;
 // found by next-event estimation from the second vertex on.
-float probe_other_light(const Scene& scene, const Photon& place, std::uint32_t n) {
+float probe_other_light(const Scene& scene, const LightSampler& lights, const Photon& place,
+                        std::uint32_t n) {
   const Sampler sampler(kSeed, 0, kProbeRow, n);
   const auto u = sampler.pad(scatter_pad(0));
   const Vec3 a = abs(place.position);
@@ -144,7 +147,8 @@ float probe_other_light(const Scene& scene, const Photon& place, std::uint32_t n
     throughput *= tint;
     const PathVertex vertex(scene, from, hit);
     if (!vertex.is_delta())
-      if (const auto light = sample_any_light(scene, vertex.light_context(), sampler.pad(light_pad(depth))))
+      if (const auto light =
+              sample_any_light(scene, lights, vertex.light_context(), sampler.pad(light_pad(depth))))
         found += throughput * reflected_light(scene, vertex, *light, uncounted) / light->pdf;
     const auto v = sampler.pad(scatter_pad(depth));
     const auto next = vertex.sample({v[0], v[1]}, v[2]);
@@ -158,10 +162,10 @@ float probe_other_light(const Scene& scene, const Photon& place, std::uint32_t n
 
 }  // namespace
 
-std::vector<Photon> trace_caustic_photons(const Scene& scene, int threads) {
+std::vector<Photon> trace_caustic_photons(const Scene& scene, const LightSampler& lights, int threads) {
   const CausticCasters casters(scene);
-  if (casters.empty() || scene.light_sampler().empty()) return {};
-  const PhotonTracer tracer(scene, casters);
+  if (casters.empty() || lights.empty()) return {};
+  const PhotonTracer tracer(scene, lights, casters);
   std::vector<std::vector<Photon>> parts(kPaths / kPathsAtOnce);
   ParallelErrors errors;
 #pragma omp parallel for num_threads(threads) schedule(dynamic)
@@ -179,16 +183,11 @@ std::vector<Photon> trace_caustic_photons(const Scene& scene, int threads) {
   return photons;
 }
 
-const LightGuide* caustic_guide(const Scene& scene, const RenderSettings& settings, int threads) {
-  if (settings.integrator != Integrator::kNee && settings.integrator != Integrator::kMis) return nullptr;
-  if (scene.has_media()) return nullptr;  // photons pass through no media
-  const LightGuide& guide = scene.light_guide().get([&] {
-    const auto other_light = [&scene](const Photon& place, std::uint32_t n) {
-      return probe_other_light(scene, place, n);
-    };
-    return LightGuide::build(trace_caustic_photons(scene, threads), other_light, threads);
-  });
-  return guide.cells().empty() ? nullptr : &guide;
+LightGuide build_caustic_guide(const Scene& scene, const LightSampler& lights, int threads) {
+  const auto other_light = [&](const Photon& place, std::uint32_t n) {
+    return probe_other_light(scene, lights, place, n);
+  };
+  return LightGuide::build(trace_caustic_photons(scene, lights, threads), other_light, threads);
 }
 
 }  // namespace tessera::core

@@ -6,16 +6,16 @@
 #include <vector>
 
 #include "core/guiding/light_guide.hpp"
+#include "core/lights/light_sampler.hpp"
 #include "core/scene/scene.hpp"
 
 namespace tessera::core {
 
-// The guide for the settings' integrator; null if the integrator uses none or the scene has no caustics.
-// The first call for a scene builds it with up to `threads` threads, which takes some tenths of a second;
-// the result does not depend on `threads`. It lives as long as the scene.
-const LightGuide* caustic_guide(const Scene& scene, const RenderSettings& settings, int threads);
+// The guide of a scene without media; empty if the scene has no caustics. `lights` samples all lights. Takes
+// some tenths of a second with up to `threads` threads; the result does not depend on `threads`.
+LightGuide build_caustic_guide(const Scene& scene, const LightSampler& lights, int threads);
 
 // Traces the photons from which the guide is built.
-std::vector<Photon> trace_caustic_photons(const Scene& scene, int threads);
+std::vector<Photon> trace_caustic_photons(const Scene& scene, const LightSampler& lights, int threads);
 
 }  // namespace tessera::core

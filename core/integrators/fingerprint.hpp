@@ -12,9 +12,9 @@ namespace tessera::core {
 // JPEG.
 SceneDescription fingerprint_scene();
 
-// 16 hexadecimal digits: a hash of the exact films of the scene above, and of one with layered materials,
-// disks and cylinders, with and without media. Machines with equal fingerprints render the same bytes, as far
-// as these scenes can tell. Takes some tenths of a second.
+// 16 hexadecimal digits: a hash of the exact films of the scene above, of one with layered materials, disks
+// and cylinders, with and without media, and of one with curves and what moves. Machines with equal
+// fingerprints render the same bytes, as far as these scenes can tell. Takes some tenths of a second.
 std::string determinism_fingerprint();
 
 }  // namespace tessera::core

@@ -18,18 +18,18 @@
 namespace tessera::core {
 
 // The layers that need first hits.
-inline constexpr LayerSet kSurfaceLayers = LayerSet{}
-                                               .with(Layer::kAlbedo)
-                                               .with(Layer::kNormal)
-                                               .with(Layer::kDepth)
-                                               .with(Layer::kPosition)
-                                               .with(Layer::kUv)
-                                               .with(Layer::kObjectIndex)
-                                               .with(Layer::kMaterialIndex)
-                                               .with(Layer::kInstanceIndex)
-                                               .with(Layer::kCryptoObject)
-                                               .with(Layer::kCryptoMaterial)
-                                               .with(Layer::kCryptoAsset);
+inline const LayerSet kSurfaceLayers = LayerSet{}
+                                           .with(Layer::kAlbedo)
+                                           .with(Layer::kNormal)
+                                           .with(Layer::kDepth)
+                                           .with(Layer::kPosition)
+                                           .with(Layer::kUv)
+                                           .with(Layer::kObjectIndex)
+                                           .with(Layer::kMaterialIndex)
+                                           .with(Layer::kInstanceIndex)
+                                           .with(Layer::kCryptoObject)
+                                           .with(Layer::kCryptoMaterial)
+                                           .with(Layer::kCryptoAsset);
 
 // As the layers of these names. All 0 if nothing was hit.
 struct FirstHit {

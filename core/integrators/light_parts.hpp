@@ -3,6 +3,10 @@
 // radiance, which it does not change.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
 #include "core/math/rgb.hpp"
 
 namespace tessera::core {
@@ -14,9 +18,16 @@ struct LightParts {
   Rgb emission{}, environment{};  // seen by the camera
   Rgb direct{}, indirect{};       // scattered once, and more often
   bool escaped = false;           // the camera ray met nothing
+  std::span<Rgb> groups{};        // of each light group; empty if they are not divided
 
-  // Adds light that was scattered this many times.
-  void add(Rgb radiance, int scatterings, Source source) {
+  // Begins anew.
+  void clear() {
+    std::fill(groups.begin(), groups.end(), Rgb{});
+    *this = {.groups = groups};
+  }
+  // Adds light that was scattered this many times. `group` may be kNoLightGroup.
+  void add(Rgb radiance, int scatterings, Source source, std::uint32_t group) {
+    if (group < groups.size()) groups[group] += radiance;
     Rgb& part = scatterings > 1               ? indirect
                 : scatterings == 1            ? direct
                 : source == Source::kEmission ? emission

@@ -6,7 +6,6 @@
 #include <cassert>
 #include <utility>
 
-#include "core/base/overloaded.hpp"
 #include "core/geometry/ray_lanes.hpp"
 #include "core/integrators/direct_light.hpp"
 #include "core/integrators/opacity.hpp"
@@ -17,8 +16,7 @@ namespace tessera::core {
 
 // With fewer than eight paths, the other lanes repeat the first.
 struct PathTracer::Paths {
-  Paths(const PathQueue::Batch& batch, std::span<const Hit> all_hits,
-        std::span<const Material* const> all_materials, std::span<const bool> all_emissive,
+  Paths(const PathQueue::Batch& batch, std::span<const Hit> all_hits, const ShadingBins& bins,
         std::span<const std::uint32_t> slots)
       : count(slots.size()), used((1u << slots.size()) - 1), continuing(used) {
     RgbLanes throughputs;
@@ -28,8 +26,8 @@ struct PathTracer::Paths {
       heads[lane] = &batch.heads[slot];
       hits[lane] = &all_hits[slot];
       rays[lane] = &batch.rays[slot];
-      materials[lane] = all_materials[slot];
-      emissive_lanes |= (lane < slots.size() && all_emissive[slot] ? 1u : 0u) << lane;
+      materials[lane] = bins.material(slot);
+      emissive_lanes |= (lane < slots.size() && bins.is_emissive(slot) ? 1u : 0u) << lane;
       throughputs.set(lane, heads[lane]->throughput);
       eta_scales.set(lane, heads[lane]->eta_scale);
       guiding_pdf_ratios.set(lane, heads[lane]->guiding_pdf_ratio);
@@ -64,25 +62,21 @@ struct PathTracer::Paths {
   Float8 eta_scale, guiding_pdf_ratio;
 };
 
-PathTracer::PathTracer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide,
-                       std::span<const Sampler> samplers, std::span<Rgb> radiance,
+PathTracer::PathTracer(const RenderPlan& plan, std::span<const Sampler> samplers, std::span<Rgb> radiance,
                        std::span<LightParts> parts)
-    : scene_(scene),
-      settings_(settings),
-      // `naive` finds all other lights by BSDF sampling only.
-      light_sampler_(settings.integrator == Integrator::kNaive ? scene.delta_light_sampler()
-                                                               : scene.light_sampler()),
-      compensation_(mis_compensation(settings.integrator)),
-      guide_(guide),
+    : scene_(plan.scene()),
+      settings_(plan.settings()),
+      light_sampler_(plan.light_sampler()),
+      compensation_(mis_compensation(settings_.integrator)),
+      guide_(plan.guide()),
       samplers_(samplers),
       radiance_(radiance),
       parts_(parts),
       depths_(samplers.size()),
-      clamps_(settings.clamp_indirect > 0),
+      clamps_(settings_.clamp_indirect > 0),
       indirect_(clamps_ ? samplers.size() : 0),
-      survives_(samplers.size()) {
-  for (const Material& material : scene.materials())
-    material_kinds_.push_back({bin_of(material), !is_black(material.emission.value)});
+      survives_(samplers.size()),
+      bins_(scene_, plan.material_bins()) {
   waiting_.front().make_room(samplers.size());
 }
 
@@ -101,15 +95,13 @@ std::span<const std::uint32_t> PathTracer::step(RenderCounters& counters) {
   const int depth = static_cast<int>(std::min(list, kListsByDepth));
   if (!scene_.is_opaque()) pass_through_surfaces(counters);
   const int max_depth = settings_.max_depth > 0 ? settings_.max_depth : kMaxPathDepth;
-  sort_by_material();
-  for (std::size_t bin = 0; bin < kBins; ++bin)
-    for (std::size_t i = 0; i < bins_[bin].size(); i += kLaneCount) {
-      const std::size_t count_here = std::min(kLaneCount, bins_[bin].size() - i);
-      Paths together(batch_, hits_, materials_, emissive_, {bins_[bin].slots.data() + i, count_here});
-      together.plain_triangles = i + count_here <= bins_[bin].triangles;
-      together.limit(depths_, max_depth);
-      shade(static_cast<Bin>(bin), together, depth);
-    }
+  bins_.sort(batch_.rays, {hits_.data(), count});
+  bins_.for_each_group([&](ShadingBin bin, std::span<const std::uint32_t> slots, bool plain_triangles) {
+    Paths together(batch_, hits_, bins_, slots);
+    together.plain_triangles = plain_triangles;
+    together.limit(depths_, max_depth);
+    shade(bin, together, depth);
+  });
   add_unoccluded(counters, depth);
   collect_ended();
   paths.drop_last(count);
@@ -165,85 +157,8 @@ std::array<Float8, 4> PathTracer::numbers(const Paths& paths, int depth, PadAt p
   return Sampler::pads(paths.of(samplers_), pads);
 }
 
-PathTracer::Bin PathTracer::bin_of(const Material& material) {
-  if (std::holds_alternative<Blend>(material.model)) return kBlends;
-  switch (kernel_of(material)) {
-    case Kernel::kDiffuse:
-      return kDiffuse;
-    case Kernel::kGlossy:
-      return kGlossy;
-    case Kernel::kPhong:
-      return kPhong;
-    case Kernel::kSpecular:
-      return kSpecular;
-    case Kernel::kLayered:
-      break;
-    case Kernel::kMixed:
-      return kMixed;
-  }
-  return std::visit(
-      Overloaded{
-          [&](const Principled&) { return transmits_light(material.model) ? kClearPrincipled : kPrincipled; },
-          [](const Plastic&) { return kPlastic; }, [](const ConductorMaterial&) { return kConductor; },
-          [](const DiffuseTransmission&) { return kDiffuseTransmission; },
-          [](const ThinDielectric&) { return kThinDielectric; }, [](const auto&) { return kMixed; }},
-      material.model);
-}
-
-// Prefetches the data of all triangle vertices here, because it may be spread over memory.
-void PathTracer::sort_by_material() {
-  for (SlotBin& bin : bins_) bin.triangles = bin.others = 0;
-  const Primitives& primitives = scene_.primitives();
-  for (const Hit& hit : std::span(hits_).first(batch_.rays.size())) {
-    if (!hit.found()) continue;
-    const Primitives& owner = primitives.owner(hit);
-    if (owner.is_triangle(hit.primitive)) owner.prefetch_triangle(hit.primitive);
-  }
-  for (std::uint32_t slot = 0; slot < batch_.rays.size(); ++slot) {
-    const Hit& hit = hits_[slot];
-    emissive_[slot] = false;
-    if (!hit.found()) {
-      materials_[slot] = nullptr;
-      add_to_bin(kEscaped, slot, true);
-      continue;
-    }
-    const Primitives& owner = primitives.owner(hit);
-    const bool triangle = owner.is_triangle(hit.primitive);
-    if (triangle) owner.prefetch_corners(hit.primitive);
-    const std::uint32_t material = primitives.material(hit);
-    const auto [bin, emissive] = material_kinds_[material];
-    materials_[slot] = &scene_.materials()[material];
-    emissive_[slot] = emissive;
-    add_to_bin(bin, slot, triangle && !hit.in_instance());
-  }
-  if (bins_[kBlends].size() > 0) add_parts_of_blends();
-  for (SlotBin& bin : bins_)
-    if (bin.size() < kBatchPaths)
-      std::copy(bin.slots.end() - static_cast<std::ptrdiff_t>(bin.others), bin.slots.end(),
-                bin.slots.begin() + static_cast<std::ptrdiff_t>(bin.triangles));
-}
-
-void PathTracer::add_to_bin(Bin bin, std::uint32_t slot, bool plain_triangle) {
-  SlotBin& into = bins_[bin];
-  into.slots[plain_triangle ? into.triangles++ : kBatchPaths - ++into.others] = slot;
-}
-
-// Each slot of a blend moves to the bin of the part that scatters.
-void PathTracer::add_parts_of_blends() {
-  SlotBin& blends = bins_[kBlends];
-  const auto move = [&](std::uint32_t slot, bool plain_triangle) {
-    const Ray& ray = batch_.rays[slot];
-    const SurfacePoint surface = scene_.primitives().surface(ray, hits_[slot]);
-    materials_[slot] = &scatterer_of(scene_, hits_[slot], surface, normalize(-ray.direction));
-    const auto part = static_cast<std::size_t>(materials_[slot] - scene_.materials().data());
-    add_to_bin(material_kinds_[part].bin, slot, plain_triangle);
-  };
-  for (std::size_t i = 0; i < blends.triangles; ++i) move(blends.slots[i], true);
-  for (std::size_t i = kBatchPaths - blends.others; i < kBatchPaths; ++i) move(blends.slots[i], false);
-  blends.triangles = blends.others = 0;
-}
-
-void PathTracer::shade(Bin bin, const Paths& paths, int depth) {
+void PathTracer::shade(ShadingBin bin, const Paths& paths, int depth) {
+  using enum ShadingBin;
   if (bin == kEscaped) return add_environment(paths, depth);
   const SurfaceBatch surfaces(scene_, paths.rays, paths.hits, paths.materials, paths.plain_triangles);
   switch (bin) {
@@ -307,7 +222,8 @@ void PathTracer::add_environment(const Paths& paths, int depth) {
     const PathHead& head = *paths.heads[lane];
     const float weight = emitter_hit_weight(light, head, [&] { return pdf[lane]; });
     if (weight > 0)
-      add(head.path, head.throughput * radiance[lane] * weight, depth, LightParts::Source::kEnvironment);
+      add(head.path, head.throughput * radiance[lane] * weight, depth, light,
+          LightParts::Source::kEnvironment);
   }
 }
 
@@ -318,7 +234,7 @@ void PathTracer::add_emission(const PathHead& head, const SurfacePoint& surface,
     const float weight =
         emitter_hit_weight(light, head, [&] { return area.pdf(head.last.position, surface.position); });
     if (weight > 0)
-      add(head.path, head.throughput * area.emitted(scene_.textures(), surface, wo) * weight, depth);
+      add(head.path, head.throughput * area.emitted(scene_.textures(), surface, wo) * weight, depth, light);
   });
 }
 
@@ -328,7 +244,7 @@ template <typename Pdf>
 float PathTracer::emitter_hit_weight(std::uint32_t light, const PathHead& head, Pdf pdf) const {
   if (head.last_pdf == kDeltaPdf || settings_.integrator == Integrator::kNaive) return 1;
   if (settings_.integrator == Integrator::kNee || head.emitter_mis_scale == 0) return 0;
-  const float pmf = scene_.light_sampler().pmf(head.last, light, compensation_);
+  const float pmf = light_sampler_.pmf(head.last, light, compensation_);
   return head.emitter_mis_scale * mis_weight(settings_.heuristic, head.last_pdf, pmf * pdf());
 }
 
@@ -371,7 +287,7 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
     assert(connection_count_ < kBatchPaths);
     shadow_rays_[connection_count_] = rays[lane];
     shadow_rays_[connection_count_].time = paths.rays[lane]->time;
-    connections_[connection_count_] = {paths.heads[lane]->path, gained[lane]};
+    connections_[connection_count_] = {paths.heads[lane]->path, gained[lane], choices[lane].light};
     ++connection_count_;
   }
 }
@@ -480,7 +396,8 @@ void PathTracer::add_unoccluded(RenderCounters& counters, int depth) {
   counters.shadow_rays += count;
   scene_.bvh().any_hits(scene_.primitives(), {shadow_rays_.data(), count}, {occluded_.data(), count});
   for (std::size_t i = 0; i < count; ++i)
-    if (occluded_[i] == 0) add(connections_[i].path, connections_[i].radiance, depth + 1);
+    if (occluded_[i] == 0)
+      add(connections_[i].path, connections_[i].radiance, depth + 1, connections_[i].light);
   if (!scene_.is_opaque()) add_transmitted(count, counters, depth);
 }
 
@@ -496,8 +413,8 @@ void PathTracer::add_transmitted(std::size_t count, RenderCounters& counters, in
   std::vector<Rgb> shares(rays.size());
   counters.shadow_rays += find_transmittances(scene_, rays, shares);
   for (std::size_t k = 0; k < rays.size(); ++k) {
-    const auto& [path, radiance] = connections_[of_rays[k]];
-    if (!is_black(shares[k])) add(path, radiance * shares[k], depth + 1);
+    const auto& [path, radiance, light] = connections_[of_rays[k]];
+    if (!is_black(shares[k])) add(path, radiance * shares[k], depth + 1, light);
   }
 }
 

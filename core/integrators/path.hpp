@@ -13,9 +13,10 @@
 #include <vector>
 
 #include "core/film/film.hpp"
-#include "core/guiding/light_guide.hpp"
 #include "core/integrators/light_parts.hpp"
 #include "core/integrators/path_queue.hpp"
+#include "core/integrators/render_plan.hpp"
+#include "core/integrators/shading_bins.hpp"
 #include "core/integrators/vertex_batch.hpp"
 #include "core/sampling/sampler.hpp"
 #include "core/scene/scene.hpp"
@@ -30,9 +31,9 @@ inline constexpr int kMaxPathDepth = 4096;
 class PathTracer {
  public:
   // Path i uses the random numbers of samplers[i], and its result is added to radiance[i], and divided to
-  // parts[i] if there are any. `guide` may be null; `naive` uses none. Keeps references.
-  PathTracer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide,
-             std::span<const Sampler> samplers, std::span<Rgb> radiance, std::span<LightParts> parts = {});
+  // parts[i] if there are any. Keeps references.
+  PathTracer(const RenderPlan& plan, std::span<const Sampler> samplers, std::span<Rgb> radiance,
+             std::span<LightParts> parts = {});
 
   // Starts path `path`, which must not be active, with a camera ray.
   void begin(const Ray& ray, std::uint32_t path) {
@@ -40,7 +41,7 @@ class PathTracer {
     radiance_[path] = {};
     depths_[path] = 0;
     if (clamps_) indirect_[path] = {};
-    if (!parts_.empty()) parts_[path] = {};
+    if (!parts_.empty()) parts_[path].clear();
     waiting_.front().push(ray, {.path = path});
   }
   // Advances up to kBatchPaths paths by one step, at the depth where most paths wait. Some path must be
@@ -52,30 +53,7 @@ class PathTracer {
   struct Connection {
     std::uint32_t path;
     Rgb radiance;  // to be added to the path
-  };
-
-  // Vertices that are shaded together: of one kernel, and layered ones of the same model, which mostly have
-  // the same lobes. Escaped rays. Blends wait here only until it is known which part scatters.
-  enum Bin {
-    kDiffuse,
-    kGlossy,
-    kPhong,
-    kSpecular,
-    kPrincipled,
-    kClearPrincipled,
-    kPlastic,
-    kConductor,
-    kDiffuseTransmission,
-    kThinDielectric,
-    kMixed,
-    kBlends,
-    kEscaped
-  };
-  static constexpr std::size_t kBins = 13;
-  static Bin bin_of(const Material& material);
-  struct MaterialKind {
-    Bin bin;
-    bool emissive;
+    std::uint32_t light;
   };
 
   struct Paths;  // up to eight paths
@@ -86,12 +64,9 @@ class PathTracer {
   std::size_t longest_list() const;
   void collect_ended();
   void add_indirect(std::uint32_t path);
-  void sort_by_material();
-  void add_to_bin(Bin bin, std::uint32_t slot, bool plain_triangle);
-  void add_parts_of_blends();
   template <typename Vertices>
   void shade(const Paths& paths, const Vertices& vertices, int depth);
-  void shade(Bin bin, const Paths& paths, int depth);
+  void shade(ShadingBin bin, const Paths& paths, int depth);
   template <typename PadAt>
   std::array<Float8, 4> numbers(const Paths& paths, int depth, PadAt pad_at) const;
   void add_environment(const Paths& paths, int depth);
@@ -115,19 +90,18 @@ class PathTracer {
                                Float8 u_lobe) const;
   void add_unoccluded(RenderCounters& counters, int depth);
   void add_transmitted(std::size_t count, RenderCounters& counters, int depth);
-  // Adds light that was scattered this many times.
-  void add(std::uint32_t path, Rgb radiance, int scatterings,
+  // Adds light of the light of this index that was scattered this many times.
+  void add(std::uint32_t path, Rgb radiance, int scatterings, std::uint32_t light,
            LightParts::Source source = LightParts::Source::kEmission) {
     (clamps_ && scatterings > 1 ? indirect_[path] : radiance_[path]) += radiance;
-    if (!parts_.empty()) parts_[path].add(radiance, scatterings, source);
+    if (!parts_.empty()) parts_[path].add(radiance, scatterings, source, scene_.light_group(light));
   }
 
   const Scene& scene_;
   const RenderSettings settings_;
   const LightSampler& light_sampler_;
   const MisCompensation compensation_;
-  const LightGuide* guide_;
-  std::vector<MaterialKind> material_kinds_;
+  const LightGuide* const guide_;  // null if there is none
 
   const std::span<const Sampler> samplers_;
   const std::span<Rgb> radiance_;
@@ -143,18 +117,8 @@ class PathTracer {
   // State of a step:
   PathQueue::Batch batch_;
   PathQueue* next_paths_ = nullptr;
-  std::array<Hit, kBatchPaths> hits_;                   // of the batch's rays
-  std::array<bool, kBatchPaths> emissive_;              // whether the hit material is emissive
-  std::array<const Material*, kBatchPaths> materials_;  // that scatter at the hits
-  // Slots of the batch. In each bin, plain triangles are the first ones, and all others the last ones of the
-  // array, so that few groups of lanes have both.
-  struct SlotBin {
-    std::size_t size() const { return triangles + others; }
-
-    std::size_t triangles = 0, others = 0;
-    std::array<std::uint32_t, kBatchPaths> slots;
-  };
-  std::array<SlotBin, kBins> bins_;
+  std::array<Hit, kBatchPaths> hits_;  // of the batch's rays
+  ShadingBins bins_;
   std::size_t connection_count_ = 0;
   std::array<Ray, kBatchPaths> shadow_rays_;
   std::array<Connection, kBatchPaths> connections_;  // of shadow_rays_

@@ -4,16 +4,14 @@
 #include <omp.h>
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "core/base/parallel_errors.hpp"
-#include "core/integrators/caustic_guide.hpp"
 #include "core/integrators/path.hpp"
 #include "core/integrators/sample_layers.hpp"
-#include "core/integrators/volume_path.hpp"
-#include "core/integrators/whitted.hpp"
 #include "core/math/lane_array.hpp"
 #include "core/sampling/filter_warp.hpp"
 #include "core/sampling/sampler.hpp"
@@ -71,14 +69,15 @@ void deposit(Rgb radiance, const Sampler& sampler, bool odd, PixelSums pixel, Re
 class Renderer {
  public:
   // The samples have the layers of the tile, which may be null if there are none.
-  Renderer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide, FilmTile* tile)
-      : scene_(scene),
-        settings_(settings),
+  Renderer(const RenderPlan& plan, FilmTile* tile)
+      : plan_(plan),
+        scene_(plan.scene()),
+        settings_(plan.settings()),
         samples_(kSamplesUnderWay),
-        samplers_(kSamplesUnderWay, Sampler(settings.seed, 0, 0, 0)),
+        samplers_(kSamplesUnderWay, Sampler(settings_.seed, 0, 0, 0)),
         radiance_(kSamplesUnderWay),
-        layers_(scene, tile, kSamplesUnderWay),
-        path_tracer_(scene, settings, guide, samplers_, radiance_, layers_.parts()) {
+        layers_(scene_, tile, kSamplesUnderWay),
+        path_tracer_(plan, samplers_, radiance_, layers_.parts()) {
     for (std::uint32_t i = 0; i < kSamplesUnderWay; ++i) free_.push_back(kSamplesUnderWay - 1 - i);
     begun_.reserve(kBatchPaths);
   }
@@ -150,12 +149,9 @@ class Renderer {
 
   void send(const Ray& ray, std::uint32_t number) {
     layers_.begin(ray, samples_[number].id, samplers_[number]);
-    const bool whitted = settings_.integrator == Integrator::kWhitted;
-    if (!whitted && !scene_.has_media()) return path_tracer_.begin(ray, number);
-    LightParts* const parts = layers_.parts_of(number);
-    radiance_[number] = whitted
-                            ? trace_whitted(scene_, settings_, samplers_[number], ray, counters_, parts)
-                            : trace_volume_path(scene_, settings_, samplers_[number], ray, counters_, parts);
+    const SampleTracer trace = plan_.sample_tracer();
+    if (trace == nullptr) return path_tracer_.begin(ray, number);
+    radiance_[number] = trace(plan_, samplers_[number], ray, counters_, layers_.parts_of(number));
     deposit_or_report(number);
   }
 
@@ -178,8 +174,9 @@ class Renderer {
     counters_.add(lost);
   }
 
+  const RenderPlan& plan_;
   const Scene& scene_;
-  const RenderSettings settings_;
+  const RenderSettings& settings_;
   RenderCounters counters_;
   // Active samples by slot.
   std::vector<Sample> samples_;
@@ -213,19 +210,18 @@ void render_block(PixelRect block, FilmTile& tile, Renderer& renderer) {
 
 }  // namespace
 
-FilmTile render(const Scene& scene, const RenderSettings& settings, PixelRect rect, SampleRange range,
-                int threads) {
-  FilmTile tile(rect, range, settings.layers);
+FilmTile render(const RenderPlan& plan, PixelRect rect, SampleRange range, int threads) {
+  assert(plan.is_current());
+  FilmTile tile(rect, range, plan.settings().layers);
   allocate_planes(tile);
   const TileGrid blocks(rect, kBlockPx);
   const int team = std::clamp(threads, 1, blocks.tile_count());
   std::vector<RenderCounters> counters(static_cast<std::size_t>(team));
-  const LightGuide* guide = caustic_guide(scene, settings, threads);
   ParallelErrors errors;
 #pragma omp parallel num_threads(team)
   {
     std::unique_ptr<Renderer> renderer;
-    errors.run([&] { renderer = std::make_unique<Renderer>(scene, settings, guide, &tile); });
+    errors.run([&] { renderer = std::make_unique<Renderer>(plan, &tile); });
 #pragma omp for schedule(dynamic) nowait
     for (int b = 0; b < blocks.tile_count(); ++b)
       errors.run([&] { render_block(blocks.rect(b), tile, *renderer); });
@@ -242,9 +238,9 @@ FilmTile render(const Scene& scene, const RenderSettings& settings, PixelRect re
   return tile;
 }
 
-Rgb render_sample(const Scene& scene, const RenderSettings& settings, SampleId id) {
-  return std::make_unique<Renderer>(scene, settings, caustic_guide(scene, settings, 1), nullptr)
-      ->radiance_of(id);
+Rgb render_sample(const RenderPlan& plan, SampleId id) {
+  assert(plan.is_current());
+  return std::make_unique<Renderer>(plan, nullptr)->radiance_of(id);
 }
 
 }  // namespace tessera::core

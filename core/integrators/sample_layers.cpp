@@ -6,12 +6,12 @@
 namespace tessera::core {
 namespace {
 
-constexpr LayerSet kLightLayers = LayerSet{}
-                                      .with(Layer::kAlpha)
-                                      .with(Layer::kDirect)
-                                      .with(Layer::kIndirect)
-                                      .with(Layer::kEmission)
-                                      .with(Layer::kEnvironment);
+const LayerSet kLightLayers = LayerSet{}
+                                  .with(Layer::kAlpha)
+                                  .with(Layer::kDirect)
+                                  .with(Layer::kIndirect)
+                                  .with(Layer::kEmission)
+                                  .with(Layer::kEnvironment);
 
 }  // namespace
 
@@ -19,11 +19,23 @@ SampleLayers::SampleLayers(const Scene& scene, FilmTile* tile, std::size_t slots
     : scene_(scene),
       tile_(tile),
       layers_(tile == nullptr ? LayerSet{} : tile->layers),
-      parts_(layers_.intersects(kLightLayers) ? slots : 0) {
+      parts_(layers_.intersects(kLightLayers) || !layers_.groups.empty() ? slots : 0) {
+  divide_by_groups();
   for (std::size_t i = 0; i < kLayerCount; ++i)
     first_planes_[i] = first_plane(layers_, static_cast<Layer>(i));
   for (std::size_t i = 0; i < ids_.size(); ++i)
     if (layers_.has(kCryptoLayers[i])) ids_[i].emplace(tile->rect);
+}
+
+void SampleLayers::divide_by_groups() {
+  for (std::size_t i = 0; i < layers_.groups.size(); ++i)
+    groups_.push_back(
+        {index_of_group(scene_.light_groups(), layers_.groups[i]), first_group_plane(layers_, i)});
+  if (groups_.empty()) return;
+  const std::size_t count = scene_.light_groups().size();
+  light_of_groups_.resize(parts_.size() * count);
+  for (std::size_t slot = 0; slot < parts_.size(); ++slot)
+    parts_[slot].groups = std::span(light_of_groups_).subspan(slot * count, count);
 }
 
 void SampleLayers::begin(const Ray& ray, SampleId id, const Sampler& sampler) {
@@ -56,12 +68,17 @@ void SampleLayers::add_word(Layer layer, std::size_t component, ChannelEncoding 
 }
 
 void SampleLayers::add_color(Layer layer, std::size_t pixel, Rgb value, const std::array<double, 3>& dither) {
-  if (!layers_.has(layer)) return;
+  if (layers_.has(layer)) add_to_planes(first_planes_[static_cast<std::size_t>(layer)], pixel, value, dither);
+}
+
+void SampleLayers::add_to_planes(std::size_t plane, std::size_t pixel, Rgb value,
+                                 const std::array<double, 3>& dither) {
   for (int c = 0; c < 3; ++c) {
     const auto component = static_cast<std::size_t>(c);
     if (!(value[c] > 0)) continue;
-    add_word(layer, component, ChannelEncoding::kSum, pixel,
-             to_fixed_point(static_cast<double>(value[c]), dither[component]));
+    std::uint64_t& sum = tile_->planes[plane + component][pixel];
+    sum =
+        combine(ChannelEncoding::kSum, sum, to_fixed_point(static_cast<double>(value[c]), dither[component]));
   }
 }
 
@@ -99,6 +116,8 @@ void SampleLayers::add_light(std::uint32_t slot, SampleId id, const Sampler& sam
   add_color(Layer::kIndirect, pixel, parts.indirect, dither);
   add_color(Layer::kEmission, pixel, parts.emission, dither);
   add_color(Layer::kEnvironment, pixel, parts.environment, dither);
+  for (const auto& [number, plane] : groups_)
+    if (number < parts.groups.size()) add_to_planes(plane, pixel, parts.groups[number], dither);
   if (layers_.has(Layer::kAlpha) && !parts.escaped)
     add_word(Layer::kAlpha, 0, ChannelEncoding::kCount, pixel, 1);
 }

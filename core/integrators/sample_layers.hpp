@@ -26,7 +26,7 @@ class SampleLayers {
   std::span<LightParts> parts() { return parts_; }
   LightParts* parts_of(std::uint32_t slot) {
     if (parts_.empty()) return nullptr;
-    parts_[slot] = {};
+    parts_[slot].clear();
     return &parts_[slot];
   }
 
@@ -44,10 +44,13 @@ class SampleLayers {
   static constexpr std::array kCryptoLayers{Layer::kCryptoObject, Layer::kCryptoMaterial,
                                             Layer::kCryptoAsset};
 
+  void divide_by_groups();
   std::uint32_t pixel_of(SampleId id) const;
   void add_word(Layer layer, std::size_t component, ChannelEncoding encoding, std::size_t pixel,
                 std::uint64_t word);
   void add_color(Layer layer, std::size_t pixel, Rgb value, const std::array<double, 3>& dither);
+  // To a plane and the two behind it.
+  void add_to_planes(std::size_t plane, std::size_t pixel, Rgb value, const std::array<double, 3>& dither);
   void add_vector(Layer layer, std::size_t pixel, std::span<const float> values);
   void add_surface(std::uint32_t pixel, const FirstHit& hit, const std::array<double, 3>& dither);
 
@@ -56,6 +59,12 @@ class SampleLayers {
   const LayerSet layers_;
   std::array<std::size_t, kLayerCount> first_planes_{};
   std::vector<LightParts> parts_;
+  struct Group {
+    std::uint32_t number;  // among those of the scene
+    std::size_t first_plane;
+  };
+  std::vector<Group> groups_;         // of layers_
+  std::vector<Rgb> light_of_groups_;  // where parts_ add it
   std::array<std::optional<IdCounter>, kCryptoLayers.size()> ids_;
   // The samples that have begun:
   std::vector<Ray> rays_;

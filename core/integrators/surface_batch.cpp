@@ -40,6 +40,13 @@ Mask8 SurfaceBatch::black_backs() const {
   return Mask8::from_bits(one_sided) & !side.outside;
 }
 
+Mask8 SurfaceBatch::plain_normals() const {
+  unsigned plain = 0;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    plain |= (materials[lane]->shading_normals == ShadingNormals::kPlain ? 1u : 0u) << lane;
+  return Mask8::from_bits(plain);
+}
+
 Vec3Of<Float8> SurfaceBatch::outward_normals() const {
   unsigned mapped = 0, with_bumps = 0;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {

@@ -34,6 +34,8 @@ struct SurfaceBatch {
   }
   // The lanes where the viewer sees the back of a surface that only its front scatters from.
   Mask8 black_backs() const;
+  // The lanes with ShadingNormals::kPlain.
+  Mask8 plain_normals() const;
 
   const Scene& scene;
   const HitPointers& hits;

@@ -90,6 +90,7 @@ PathVertex::PathVertex(const Scene& scene, const Material& material, const Hit& 
     : VertexOf(
           surface, wo, side.normal,
           viewed_normal(side, outward_normal(scene, material, hit, surface), material.model, wo),
+          material.shading_normals == ShadingNormals::kPlain,
           Bsdf(material, scene.textures(), surface.uv, side.outside, scene.primitives().vertex_color(hit))) {
   if (is_anisotropic(material.model)) bsdf_.orient(frame_.to_local(highlight_tangent(scene, hit, surface)));
 }
@@ -99,6 +100,7 @@ std::optional<PathVertex::Scattered> PathVertex::sample(Vec2 u, float u_lobe) co
   if (!local) return std::nullopt;
   if (local->delta) return delta_to_world(*local);
   const FoldedSample folded = fold(local->wi_local);
+  if (folded.lost) return std::nullopt;
   const Vec3 wi = normalize(frame_.to_world(folded.wi_local));
   if (!folded.reweighed) return Scattered{wi, local->weight, local->pdf, false, local->eta};
   const auto& [value, pdf] = folded.scattered;

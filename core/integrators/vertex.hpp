@@ -37,16 +37,18 @@ struct ViewedSide {
 template <typename T, typename BsdfType>
 class VertexOf {
  public:
+  // `plain` shading normals are those of ShadingNormals::kPlain.
   VertexOf(const SurfacePointOf<T>& surface, Vec3Of<T> wo, Vec3Of<T> side_normal, Vec3Of<T> shading_normal,
-           const BsdfType& bsdf)
+           MaskOf<T> plain, const BsdfType& bsdf)
       : surface_(surface),
         wo_(wo),
         side_normal_(side_normal),
         frame_(FrameOf<T>::around(shading_normal)),
         wo_local_(frame_.to_local(wo)),
         side_local_(frame_.to_local(side_normal)),
+        plain_(plain),
         bsdf_(bsdf) {
-    bsdf_.scale_diffuse(diffuse_scale(side_local_));
+    bsdf_.scale_diffuse(select(plain_, T(1.0f), diffuse_scale(side_local_)));
     if constexpr (requires { bsdf_.look_from(wo_local_.z); }) bsdf_.look_from(wo_local_.z);
   }
 
@@ -75,13 +77,13 @@ class VertexOf {
 
  protected:
   // The BSDF of the shading normal, folded at the geometric surface: directions scattered to the wrong side
-  // of the surface are reflected to the right one, which conserves energy. cos_side is the cosine of
-  // wi_local and side_local_.
+  // of the surface are reflected to the right one, which conserves energy. Plain ones are not folded: they
+  // lose that light. cos_side is the cosine of wi_local and side_local_.
   BsdfValueOf<T> evaluate_folded(Vec3Of<T> wi_local, T cos_side) const {
-    const T diffuse_cos = groove_cos(wi_local.z, cos_side, side_local_);
+    const T diffuse_cos = select(plain_, wi_local.z, groove_cos(wi_local.z, cos_side, side_local_));
     BsdfValueOf<T> all = only(wi_local.z * cos_side > 0, bsdf_.evaluate(wo_local_, wi_local, diffuse_cos));
     const Vec3Of<T> image = mirrored(wi_local, side_local_, cos_side);
-    const MaskOf<T> folds = image.z * cos_side > 0;
+    const MaskOf<T> conserving = !plain_, folds = conserving & (image.z * cos_side > 0);
     if (!any(folds)) return all;
     const BsdfValueOf<T> folded = only(folds, bsdf_.evaluate(wo_local_, image, T(0.0f)));
     return {all.value + folded.value, all.pdf + folded.pdf};
@@ -90,17 +92,19 @@ class VertexOf {
   // A direction sampled from the folded BSDF.
   struct FoldedSample {
     Vec3Of<T> wi_local;
+    MaskOf<T> lost;            // of a plain shading normal, to the wrong side
     MaskOf<T> reweighed;       // lanes where `scattered` replaces the BSDF's value and density
     BsdfValueOf<T> scattered;  // unspecified in other lanes
   };
   FoldedSample fold(Vec3Of<T> sampled) const {
     const T cos_sampled = dot(sampled, side_local_);
     const Vec3Of<T> image = mirrored(sampled, side_local_, cos_sampled);
-    const MaskOf<T> strays = sampled.z * cos_sampled <= 0;
-    const MaskOf<T> reweighed = strays | (image.z * cos_sampled > 0);
-    if (!any(reweighed)) return {sampled, reweighed, {}};
+    const MaskOf<T> conserving = !plain_, wrong_side = sampled.z * cos_sampled <= 0;
+    const MaskOf<T> lost = plain_ & wrong_side, strays = conserving & wrong_side;
+    const MaskOf<T> reweighed = strays | (conserving & (image.z * cos_sampled > 0));
+    if (!any(reweighed)) return {sampled, lost, reweighed, {}};
     const Vec3Of<T> wi_local = select(strays, image, sampled);
-    return {wi_local, reweighed, evaluate_folded(wi_local, select(strays, -cos_sampled, cos_sampled))};
+    return {wi_local, lost, reweighed, evaluate_folded(wi_local, select(strays, -cos_sampled, cos_sampled))};
   }
 
   SurfacePointOf<T> surface_;
@@ -109,6 +113,7 @@ class VertexOf {
   FrameOf<T> frame_;       // around the shading normal, on the side of wo
   Vec3Of<T> wo_local_;
   Vec3Of<T> side_local_;  // side_normal_ in the frame
+  MaskOf<T> plain_;
   BsdfType bsdf_;
 
  private:

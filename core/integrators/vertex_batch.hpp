@@ -38,7 +38,8 @@ class VertexBatch : public VertexOf<Float8, Bsdfs> {
  public:
   // `shading_normal` is on the side of the viewer.
   VertexBatch(const SurfaceBatch& batch, Vec3Of<Float8> shading_normal, const Bsdfs& bsdfs)
-      : VertexOf<Float8, Bsdfs>(batch.surface, batch.wo, batch.side.normal, shading_normal, bsdfs),
+      : VertexOf<Float8, Bsdfs>(batch.surface, batch.wo, batch.side.normal, shading_normal,
+                                batch.plain_normals(), bsdfs),
         black_(batch.black_backs()) {}
 
   Mask8 is_delta() const { return this->bsdf_.is_delta() & !black_; }
@@ -79,7 +80,7 @@ class VertexBatch : public VertexOf<Float8, Bsdfs> {
     const auto folded = this->fold(local.wi_local);
     const auto& [value, pdf] = folded.scattered;
     const Vec3Of<Float8> wi = normalize(this->frame_.to_world(folded.wi_local));
-    const Mask8 lost = folded.reweighed & !(pdf > 0);
+    const Mask8 lost = folded.lost | (folded.reweighed & !(pdf > 0));
     Scattered next{local.found & !lost,
                    local.delta,
                    wi,

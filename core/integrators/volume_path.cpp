@@ -62,18 +62,16 @@ int medium_beyond(const MediumInterface& media, const SurfacePoint& surface, Vec
 
 class VolumePath {
  public:
-  VolumePath(const Scene& scene, const RenderSettings& settings, const Sampler& sampler,
-             RenderCounters& counters, LightParts* parts)
-      : scene_(scene),
-        settings_(settings),
-        light_sampler_(settings.integrator == Integrator::kNaive ? scene.delta_light_sampler()
-                                                                 : scene.light_sampler()),
-        compensation_(mis_compensation(settings.integrator)),
+  VolumePath(const RenderPlan& plan, const Sampler& sampler, RenderCounters& counters, LightParts* parts)
+      : scene_(plan.scene()),
+        settings_(plan.settings()),
+        light_sampler_(plan.light_sampler()),
+        compensation_(mis_compensation(settings_.integrator)),
         sampler_(sampler),
         counters_(counters),
         parts_(parts),
         hero_(std::min(2, static_cast<int>(3 * sampler.pad(medium_pad(0))[2]))),
-        medium_(scene.camera_medium()) {}
+        medium_(scene_.camera_medium()) {}
 
   Rgb trace(const Ray& ray) {
     ray_ = ray;
@@ -100,9 +98,11 @@ class VolumePath {
   void attenuate(const Ray& ray, float t_max, int medium, NumberStream& numbers,
                  SpectralWeights& weights) const;
 
-  void add(Rgb radiance, int scatterings, LightParts::Source source = LightParts::Source::kEmission) {
+  // `light` is kNoLight for what a medium emits.
+  void add(Rgb radiance, int scatterings, std::uint32_t light,
+           LightParts::Source source = LightParts::Source::kEmission) {
     (settings_.clamp_indirect > 0 && scatterings > 1 ? indirect_ : radiance_) += radiance;
-    if (parts_ != nullptr) parts_->add(radiance, scatterings, source);
+    if (parts_ != nullptr) parts_->add(radiance, scatterings, source, scene_.light_group(light));
   }
 
   const Scene& scene_;
@@ -157,7 +157,7 @@ bool VolumePath::collides(float t_max, NumberStream& numbers, std::optional<floa
   if (medium_ == kNoMedium) return true;
   const Collision collision = sample_collision(scene_.media()[static_cast<std::size_t>(medium_)], ray_, t_max,
                                                hero_, numbers, weights_);
-  if (!is_black(collision.emitted)) add(collision.emitted, depth_);
+  if (!is_black(collision.emitted)) add(collision.emitted, depth_, kNoLight);
   t = collision.t;
   return max_component(weights_.throughput) > 0;
 }
@@ -194,10 +194,10 @@ void VolumePath::add_light(Rgb radiance, std::uint32_t light, float pdf, LightPa
   float weight = 1;
   if (!delta_ && settings_.integrator == Integrator::kNee) return;
   if (!delta_ && settings_.integrator == Integrator::kMis) {
-    const float pmf = scene_.light_sampler().pmf(last_, light, compensation_);
+    const float pmf = light_sampler_.pmf(last_, light, compensation_);
     weight = mis_weight(settings_.heuristic, density, mean(weights_.light) * (pmf * pdf));
   }
-  add(weights_.throughput * radiance * (weight / density), depth_, source);
+  add(weights_.throughput * radiance * (weight / density), depth_, light, source);
 }
 
 // Samples a light and a direction to continue in. medium_toward(wi) is the medium in a direction.
@@ -241,7 +241,7 @@ void VolumePath::connect_to_light(const Vertex& vertex, const MediumToward& medi
                            ? 1
                            : mis_weight(settings_.heuristic, by_light, by_scattering);
   add(weights_.throughput * seen.throughput * scattered.value * light->radiance * (weight / by_light),
-      depth_ + 1);
+      depth_ + 1, choice.light);
 }
 
 // The weights of a shadow ray that begins in `medium`: `throughput` is its transmittance.
@@ -282,9 +282,9 @@ void VolumePath::attenuate(const Ray& ray, float t_max, int medium, NumberStream
 
 }  // namespace
 
-Rgb trace_volume_path(const Scene& scene, const RenderSettings& settings, const Sampler& sampler,
-                      const Ray& ray, RenderCounters& counters, LightParts* parts) {
-  return VolumePath(scene, settings, sampler, counters, parts).trace(ray);
+Rgb trace_volume_path(const RenderPlan& plan, const Sampler& sampler, const Ray& ray,
+                      RenderCounters& counters, LightParts* parts) {
+  return VolumePath(plan, sampler, counters, parts).trace(ray);
 }
 
 }  // namespace tessera::core

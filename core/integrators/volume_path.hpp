@@ -4,16 +4,13 @@
 // rays are attenuated by both. Scenes without media take the batches of path.hpp.
 #pragma once
 
-#include "core/film/film.hpp"
-#include "core/integrators/light_parts.hpp"
-#include "core/sampling/sampler.hpp"
-#include "core/scene/scene.hpp"
+#include "core/integrators/render_plan.hpp"
 
 namespace tessera::core {
 
 // Unbiased with every strategy, as PathTracer. Counts rays in `counters`. Adds the light's parts to
 // `parts`, if that is not null.
-Rgb trace_volume_path(const Scene& scene, const RenderSettings& settings, const Sampler& sampler,
-                      const Ray& ray, RenderCounters& counters, LightParts* parts = nullptr);
+Rgb trace_volume_path(const RenderPlan& plan, const Sampler& sampler, const Ray& ray,
+                      RenderCounters& counters, LightParts* parts = nullptr);
 
 }  // namespace tessera::core

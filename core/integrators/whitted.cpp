@@ -25,13 +25,13 @@ struct Branch {
 
 class TreeTracer {
  public:
-  TreeTracer(const Scene& scene, const RenderSettings& settings, const Sampler& sampler,
-             RenderCounters& counters, LightParts* parts)
-      : scene_(scene),
+  TreeTracer(const RenderPlan& plan, const Sampler& sampler, RenderCounters& counters, LightParts* parts)
+      : scene_(plan.scene()),
+        light_sampler_(plan.light_sampler()),
         sampler_(sampler),
         counters_(counters),
         parts_(parts),
-        max_depth_(settings.max_depth > 0 ? settings.max_depth : kWhittedDepth) {}
+        max_depth_(plan.settings().max_depth > 0 ? plan.settings().max_depth : kWhittedDepth) {}
 
   Rgb trace(const Ray& ray) {
     follow({.ray = ray});
@@ -79,9 +79,10 @@ class TreeTracer {
     return children;
   }
 
-  void add(Rgb radiance, int scatterings, LightParts::Source source = LightParts::Source::kEmission) {
+  void add(Rgb radiance, int scatterings, std::uint32_t light,
+           LightParts::Source source = LightParts::Source::kEmission) {
     radiance_ += radiance;
-    if (parts_ != nullptr) parts_->add(radiance, scatterings, source);
+    if (parts_ != nullptr) parts_->add(radiance, scatterings, source, scene_.light_group(light));
   }
 
   void add_environment(const Branch& branch) {
@@ -89,7 +90,7 @@ class TreeTracer {
     if (scene_.environment_light() == kNoLight) return;
     if (branch.depth == 0 && !scene_.environment().visible_to_camera()) return;
     add(branch.weight * scene_.environment().radiance(branch.ray.direction), branch.depth,
-        LightParts::Source::kEnvironment);
+        scene_.environment_light(), LightParts::Source::kEnvironment);
   }
 
   void add_emission(const Branch& branch, const PathVertex& vertex, std::uint32_t light) {
@@ -97,7 +98,7 @@ class TreeTracer {
     const Rgb emitted = scene_.with_area_light(light, vertex.time(), [&](const AreaLight& area) {
       return area.emitted(scene_.textures(), vertex.surface(), vertex.wo());
     });
-    add(branch.weight * emitted, branch.depth);
+    add(branch.weight * emitted, branch.depth, light);
   }
 
   void add_direct_light(const Branch& branch, const PathVertex& vertex) {
@@ -112,7 +113,7 @@ class TreeTracer {
     for (std::uint32_t i = 0; i < kMaxWhittedLights; ++i) {
       const auto u = sampler_.pad(tree_light_pad(branch.node, i));
       const double stratum = (i + combine_uniforms(u[2], u[3])) / kMaxWhittedLights;
-      LightSampler::Choice choice = scene_.light_sampler().sample(vertex.light_context(), stratum);
+      LightSampler::Choice choice = light_sampler_.sample(vertex.light_context(), stratum);
       if (choice.light == kNoLight) continue;
       choice.pmf *= kMaxWhittedLights;
       add_light(branch, vertex, choice, {u[0], u[1]});
@@ -125,10 +126,11 @@ class TreeTracer {
                                     u, MisCompensation::kOff, vertex.time());
     if (!light) return;
     const Rgb reflected = reflected_light(scene_, vertex, *light, counters_);
-    add(branch.weight * reflected / (light->pdf * choice.pmf), branch.depth + 1);
+    add(branch.weight * reflected / (light->pdf * choice.pmf), branch.depth + 1, choice.light);
   }
 
   const Scene& scene_;
+  const LightSampler& light_sampler_;
   const Sampler& sampler_;
   RenderCounters& counters_;
   LightParts* parts_;
@@ -139,9 +141,9 @@ class TreeTracer {
 
 }  // namespace
 
-Rgb trace_whitted(const Scene& scene, const RenderSettings& settings, const Sampler& sampler, const Ray& ray,
-                  RenderCounters& counters, LightParts* parts) {
-  return TreeTracer(scene, settings, sampler, counters, parts).trace(ray);
+Rgb trace_whitted(const RenderPlan& plan, const Sampler& sampler, const Ray& ray, RenderCounters& counters,
+                  LightParts* parts) {
+  return TreeTracer(plan, sampler, counters, parts).trace(ray);
 }
 
 }  // namespace tessera::core

@@ -4,10 +4,7 @@
 // through those. Other indirect light is left out, so images are darker than path traced ones.
 #pragma once
 
-#include "core/film/film.hpp"
-#include "core/integrators/light_parts.hpp"
-#include "core/sampling/sampler.hpp"
-#include "core/scene/scene.hpp"
+#include "core/integrators/render_plan.hpp"
 
 namespace tessera::core {
 
@@ -19,7 +16,7 @@ inline constexpr float kMinWhittedShare = 1.0f / 4096;
 inline constexpr int kMaxWhittedRays = 1 << 16;
 
 // Counts rays in `counters`. Adds the light's parts to `parts`, if that is not null.
-Rgb trace_whitted(const Scene& scene, const RenderSettings& settings, const Sampler& sampler, const Ray& ray,
-                  RenderCounters& counters, LightParts* parts = nullptr);
+Rgb trace_whitted(const RenderPlan& plan, const Sampler& sampler, const Ray& ray, RenderCounters& counters,
+                  LightParts* parts = nullptr);
 
 }  // namespace tessera::core

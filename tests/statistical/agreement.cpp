@@ -26,7 +26,7 @@ struct Estimate {
 
 std::vector<double> region_means(const Scene& scene, const RenderSettings& settings) {
   const std::uint32_t spp = settings.spp;
-  const FilmTile tile = render(scene, settings, {0, 0, kSidePx, kSidePx}, {0, spp}, 2);
+  const FilmTile tile = render(prepare(scene, settings, 2), {0, 0, kSidePx, kSidePx}, {0, spp}, 2);
   std::vector<double> means(kRegions);
   for (int y = 0; y < kSidePx; ++y)
     for (int x = 0; x < kSidePx; ++x)

@@ -14,8 +14,8 @@ std::vector<double> render_batch(const core::Scene& scene, std::uint64_t seed) {
   settings.height_px = kGoldenHeightPx;
   settings.spp = kGoldenSpp;
   settings.seed = seed;
-  const auto tile =
-      core::render(scene, settings, {0, 0, kGoldenWidthPx, kGoldenHeightPx}, {0, kGoldenSpp}, 2);
+  const auto tile = core::render(core::prepare(scene, settings, 2), {0, 0, kGoldenWidthPx, kGoldenHeightPx},
+                                 {0, kGoldenSpp}, 2);
   std::vector<double> radiance;
   for (const std::uint64_t sum : tile.sums)
     radiance.push_back(static_cast<double>(sum) * core::kFilmUnit / kGoldenSpp);

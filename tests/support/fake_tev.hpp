@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <cstring>
@@ -62,9 +61,29 @@ class FakeTev {
   // Blocks until a first connection has ended by itself.
   void wait_for_end() { ended_.acquire(); }
 
-  std::map<std::string, core::Image> images() const {
+  struct Shown {
+    int width = 0, height = 0;
+    std::vector<std::string> channels;
+    std::vector<float> values;  // of each pixel, row by row, those of its channels
+  };
+  std::map<std::string, Shown> all() const {
     const std::lock_guard lock(mutex_);
     return images_;
+  }
+  // The first three channels of each, which must be R, G and B.
+  std::map<std::string, core::Image> images() const {
+    std::map<std::string, core::Image> colours;
+    for (const auto& [name, shown] : all()) {
+      EXPECT_GE(shown.channels.size(), 3u);
+      const std::size_t channels = shown.channels.size();
+      core::Image image(shown.width, shown.height);
+      for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+        const float* const pixel = shown.values.data() + i * channels;
+        image.pixels[i] = {pixel[0], pixel[1], pixel[2]};
+      }
+      colours.emplace(name, std::move(image));
+    }
+    return colours;
   }
   int packets() const {
     const std::lock_guard lock(mutex_);
@@ -132,37 +151,40 @@ class FakeTev {
     update(name, packet);
   }
 
-  static void expect_channels(Reader& packet) {
-    EXPECT_EQ(packet.number<std::int32_t>(), 3);
-    for (const char* channel : {"R", "G", "B"}) EXPECT_EQ(packet.text(), channel);
+  static std::vector<std::string> channels_of(Reader& packet) {
+    std::vector<std::string> channels(static_cast<std::size_t>(packet.number<std::int32_t>()));
+    for (std::string& channel : channels) channel = packet.text();
+    return channels;
   }
 
   void create(const std::string& name, Reader& packet) {
-    const auto width = packet.number<std::int32_t>(), height = packet.number<std::int32_t>();
-    expect_channels(packet);
+    Shown image{packet.number<std::int32_t>(), packet.number<std::int32_t>(), {}, {}};
+    image.channels = channels_of(packet);
     EXPECT_TRUE(packet.rest().empty());
-    images_[name] = core::Image(width, height);
+    image.values.resize(image.channels.size() * static_cast<std::size_t>(image.width) *
+                        static_cast<std::size_t>(image.height));
+    images_[name] = std::move(image);
   }
 
   void update(const std::string& name, Reader& packet) {
-    expect_channels(packet);
+    const std::vector<std::string> channels = channels_of(packet);
     const auto x = packet.number<std::int32_t>(), y = packet.number<std::int32_t>();
     const auto width = packet.number<std::int32_t>(), height = packet.number<std::int32_t>();
-    std::array<std::int64_t, 3> offsets{}, strides{};
+    std::vector<std::int64_t> offsets(channels.size()), strides(channels.size());
     for (std::int64_t& offset : offsets) offset = packet.number<std::int64_t>();
     for (std::int64_t& stride : strides) stride = packet.number<std::int64_t>();
     std::vector<float> data(packet.rest().size() / sizeof(float));
     std::memcpy(data.data(), packet.rest().data(), data.size() * sizeof(float));
-    const auto image = images_.find(name);
-    ASSERT_NE(image, images_.end()) << "updated before it was created";
-    ASSERT_TRUE(x >= 0 && y >= 0 && x + width <= image->second.width && y + height <= image->second.height);
+    ASSERT_TRUE(images_.contains(name)) << "updated before it was created";
+    Shown& image = images_.at(name);
+    ASSERT_EQ(channels, image.channels);
+    ASSERT_TRUE(x >= 0 && y >= 0 && x + width <= image.width && y + height <= image.height);
     const std::int64_t pixels = std::int64_t{width} * height;
     for (std::int64_t i = 0; i < pixels; ++i) {
-      core::Rgb& pixel = image->second.at(x + static_cast<int>(i % width), y + static_cast<int>(i / width));
-      const auto channel = [&](std::size_t c) {
-        return data.at(static_cast<std::size_t>(offsets[c] + i * strides[c]));
-      };
-      pixel = {channel(0), channel(1), channel(2)};
+      const std::int64_t to = (y + i / width) * image.width + x + i % width;
+      for (std::size_t c = 0; c < channels.size(); ++c)
+        image.values[static_cast<std::size_t>(to) * channels.size() + c] =
+            data.at(static_cast<std::size_t>(offsets[c] + i * strides[c]));
     }
   }
 
@@ -173,7 +195,7 @@ class FakeTev {
   std::counting_semaphore<> ended_{0};
   mutable std::mutex mutex_;
   // Guarded by mutex_.
-  std::map<std::string, core::Image> images_;
+  std::map<std::string, Shown> images_;
   int packets_ = 0;
   std::thread thread_;
 };

@@ -6,6 +6,7 @@
 #include <bit>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "core/integrators/render.hpp"
 #include "tests/support/test_scenes.hpp"
@@ -27,9 +28,15 @@ float pdf_of(const LightGuide& guide, const LightGuide::GuidanceOf<float>& guida
   return guide.sample_or(guidance, false, {}, wi).pdf;
 }
 
+std::vector<Photon> photons_of(const Scene& scene, int threads) {
+  const LightSampler lights(scene.lights(), LightSampler::Among::kAll, threads);
+  return trace_caustic_photons(scene, lights, threads);
+}
+
 TEST(CausticGuide, IsTheSameForAnyNumberOfThreads) {
   const Scene a = Scene::build(test::room(), 1).value(), b = Scene::build(test::room(), 1).value();
-  const LightGuide *one = caustic_guide(a, kMis, 1), *three = caustic_guide(b, kMis, 3);
+  const RenderPlan plan_a = prepare(a, kMis, 1), plan_b = prepare(b, kMis, 3);
+  const LightGuide *one = plan_a.guide(), *three = plan_b.guide();
   ASSERT_TRUE(one && three);
   ASSERT_EQ(one->cells().size(), three->cells().size());
   for (std::size_t i = 0; i < one->cells().size(); ++i) {
@@ -46,17 +53,18 @@ TEST(CausticGuide, IsTheSameForAnyNumberOfThreads) {
 
 TEST(CausticGuide, OffersNothingWhereThereAreNoCausticsOrItIsNotWanted) {
   const Scene matt = Scene::build(matt_room(), 1).value(), room = Scene::build(test::room(), 1).value();
-  EXPECT_EQ(caustic_guide(matt, kMis, 1), nullptr);
-  EXPECT_EQ(caustic_guide(room, {.integrator = Integrator::kNaive}, 1), nullptr);
-  EXPECT_EQ(caustic_guide(room, {.integrator = Integrator::kWhitted}, 1), nullptr);
-  EXPECT_NE(caustic_guide(room, kMis, 1), nullptr);
-  EXPECT_NE(caustic_guide(room, {.integrator = Integrator::kNee}, 1), nullptr);
+  EXPECT_EQ(prepare(matt, kMis, 1).guide(), nullptr);
+  EXPECT_EQ(prepare(room, {.integrator = Integrator::kNaive}, 1).guide(), nullptr);
+  EXPECT_EQ(prepare(room, {.integrator = Integrator::kWhitted}, 1).guide(), nullptr);
+  EXPECT_NE(prepare(room, kMis, 1).guide(), nullptr);
+  EXPECT_NE(prepare(room, {.integrator = Integrator::kNee}, 1).guide(), nullptr);
 }
 
 // Beneath the glass sphere, whose middle is at (0.45, 0.35, 0.2), light comes through it.
 TEST(CausticGuide, PointsAtTheGlassFromItsCaustic) {
   const Scene room = Scene::build(test::room(), 1).value();
-  const LightGuide* guide = caustic_guide(room, kMis, 1);
+  const RenderPlan plan = prepare(room, kMis, 1);
+  const LightGuide* guide = plan.guide();
   ASSERT_NE(guide, nullptr);
   const Vec3 place{0.545f, 0, 0.243f};
   const auto guidance = guide->at(place, Vec3{0, 1, 0});
@@ -67,7 +75,7 @@ TEST(CausticGuide, PointsAtTheGlassFromItsCaustic) {
 
 TEST(CausticGuide, PhotonsAreFiniteAndOnMattSurfaces) {
   const Scene room = Scene::build(test::room(), 1).value();
-  const auto photons = trace_caustic_photons(room, 2);
+  const auto photons = photons_of(room, 2);
   EXPECT_GT(photons.size(), 1000u);
   for (const Photon& photon : photons) {
     ASSERT_TRUE(is_finite(photon.position) && is_finite(photon.wi));
@@ -80,7 +88,7 @@ TEST(CausticGuide, PhotonsAreFiniteAndOnMattSurfaces) {
 
 double flux_of_photons(const SceneDescription& description) {
   double flux = 0;
-  for (const Photon& photon : trace_caustic_photons(Scene::build(description, 1).value(), 1))
+  for (const Photon& photon : photons_of(Scene::build(description, 1).value(), 1))
     flux += static_cast<double>(photon.flux);
   return flux;
 }

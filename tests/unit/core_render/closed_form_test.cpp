@@ -54,7 +54,7 @@ TEST(NearlyWhiteFurnace, HasItsRadianceInMostPixels) {
   std::vector<double> ratios;
   const PixelRect all{0, 0, 16, 16};
   const RenderSettings settings{.width_px = all.x1, .height_px = all.y1, .spp = 64};
-  const FilmTile tile = render(scene, settings, all, {0, settings.spp}, 2);
+  const FilmTile tile = render(prepare(scene, settings, 2), all, {0, settings.spp}, 2);
   for (std::size_t i = 0; i < tile.sums.size(); i += 3)
     ratios.push_back(static_cast<double>(tile.sums[i]) * kFilmUnit / settings.spp / 50);
   std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2),

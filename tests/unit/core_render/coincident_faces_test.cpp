@@ -14,7 +14,8 @@ namespace {
 FilmTile picture_of(const SceneDescription& description, int threads) {
   const Scene scene = Scene::build(description, threads).value();
   const RenderSettings& settings = scene.settings();
-  return render(scene, settings, {0, 0, settings.width_px, settings.height_px}, {0, 4}, threads);
+  return render(prepare(scene, settings, threads), {0, 0, settings.width_px, settings.height_px}, {0, 4},
+                threads);
 }
 
 // Some large and many small triangles, so that several share a leaf and the leaves overlap.

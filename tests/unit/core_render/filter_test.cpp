@@ -20,7 +20,8 @@ CameraDescription frontal_camera(int height_px, float distance) {
 }
 
 FilmTile render_all(const Scene& scene, const RenderSettings& settings) {
-  return render(scene, settings, {0, 0, settings.width_px, settings.height_px}, {0, settings.spp}, 2);
+  return render(prepare(scene, settings, 2), {0, 0, settings.width_px, settings.height_px}, {0, settings.spp},
+                2);
 }
 
 double value_at(const FilmTile& tile, int x, int y) {

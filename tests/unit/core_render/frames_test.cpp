@@ -85,7 +85,7 @@ SceneDescription still_room(int frame) {
 
 std::vector<std::uint64_t> sums(const Scene& scene) {
   const RenderSettings& settings = scene.settings();
-  return render(scene, settings, {0, 0, settings.width_px, settings.height_px}, {0, 4}, 2).sums;
+  return render(prepare(scene, settings, 2), {0, 0, settings.width_px, settings.height_px}, {0, 4}, 2).sums;
 }
 
 TEST(Frames, AreThoseOfAStillSceneInAnyOrder) {
@@ -157,7 +157,7 @@ TEST(Frames, OfParametersOutOfRangeAreRefusedByTheBuild) {
   EXPECT_THAT(refusal([](Animation& a) { a.materials[0].tracks.numbers[0].track.values[1] = 2; }),
               HasSubstr("opacity must be between 0 and 1"));
   EXPECT_THAT(refusal([](Animation& a) { a.materials[2].tracks.colors[0].track.values[1].g = -1; }),
-              HasSubstr("emission must be finite and not negative"));
+              HasSubstr("emission must be 0 or greater, got ["));
   EXPECT_THAT(refusal([](Animation& a) { a.media[0].tracks.numbers[0].track.values[0] = -1; }),
               HasSubstr("medium 'fog'"));
   EXPECT_THAT(refusal([](Animation& a) { a.environment.colors[0].track.values[1].r = -1; }),

@@ -24,7 +24,7 @@ std::vector<std::uint64_t> picture(const SceneDescription& description, Integrat
   const Scene scene = Scene::build(description, 2).value();
   RenderSettings settings = scene.settings();
   settings.integrator = integrator;
-  return render(scene, settings, {0, 0, settings.width_px, settings.height_px}, {0, 4}, 2).sums;
+  return render(prepare(scene, settings, 2), {0, 0, settings.width_px, settings.height_px}, {0, 4}, 2).sums;
 }
 
 // Without mirrors and clear glass, which photons leave by other roundings in an instance.

@@ -376,7 +376,11 @@ SceneDescription with_layers() {
     if (material.name == "lacquer") material.model = Plastic{.roughness = 0.4f, .nonlinear = true};
     if (material.name == "gold") material.model = DiffuseTransmission{};
     if (material.name == "mirror") material.model = ThinDielectric{};
+    if (material.name == "tiles")
+      material.model = Disney{.metallic = {0.5f, 0}, .anisotropic = 0.5f, .sheen = 0.5f};
     if (material.name == "wall") material.two_sided = false;
+    if (material.name == "varnish" || material.name == "wall")
+      material.shading_normals = ShadingNormals::kPlain;
   }
   scene.materials.back().model = Blend{.first = 0, .second = 2};
   return scene;

@@ -47,13 +47,16 @@ class LayeredImage {
 
 FilmTile render_layers(const Scene& scene, RenderSettings settings, LayerSet layers, int threads = 2) {
   settings.layers = layers;
-  return render(scene, settings, settings.window(), {0, settings.spp}, threads);
+  return render(prepare(scene, settings, threads), settings.window(), {0, settings.spp}, threads);
 }
 
 // The room with an environment, a sheet that is half transparent, an instance, and fog if that is wanted.
 SceneDescription varied_room(bool fog) {
   SceneDescription room = test::room();
   room.environment = {{Rgb{0.2f, 0.3f, 0.4f}}};
+  room.environment->light_group = "sky";
+  room.materials[2].light_group = "lamp";
+  room.materials[3].light_group = "ember";
   Material sheet{"sheet", test::lambert(0.4f)};
   sheet.opacity = 0.5f;
   room.materials.push_back(sheet);
@@ -129,20 +132,57 @@ TEST_P(Layered, OfLightAddUpToTheBeauty) {
   EXPECT_GT(found, 1);
 }
 
+TEST_P(Layered, OfLightGroupsAddUpToTheBeautyWithoutClamp) {
+  settings_.clamp_indirect = 0;
+  const LayerSet layers = with_group_names(kAllLayers, scene_.light_groups()).value();
+  EXPECT_EQ(layers.groups, (std::vector<std::string>{"ember", "lamp", "sky"}));
+  const LayeredImage image(render_layers(scene_, settings_, layers));
+  std::array<double, 3> found{};
+  for (int y = 0; y < settings_.height_px; ++y)
+    for (int x = 0; x < settings_.width_px; ++x) {
+      const Rgb beauty = image.color(x, y, "");
+      Rgb sum{};
+      for (std::size_t i = 0; i < layers.groups.size(); ++i) {
+        const Rgb part = image.color(x, y, group_channel(layers.groups[i]) + ".");
+        found[i] += static_cast<double>(part.r);
+        sum += part;
+      }
+      for (int c = 0; c < 3; ++c)
+        ASSERT_NEAR(sum[c], beauty[c], 1e-6f + 1e-5f * beauty[c]) << x << ", " << y << ", " << c;
+    }
+  // Nothing of the sky comes through fog without end.
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const bool is_hidden = GetParam().fog && layers.groups[i] == "sky";
+    EXPECT_GT(found[i], is_hidden ? -1 : 1) << layers.groups[i];
+  }
+}
+
+TEST_P(Layered, OfLightGroupsAreThoseThatAreAskedFor) {
+  LayerSet one = LayerSet{}.with(Layer::kDepth).with(Layer::kStandardError);
+  one.groups = {"sky"};
+  const FilmTile alone = render_layers(scene_, settings_, one);
+  const LayerSet layers = with_group_names(kAllLayers, scene_.light_groups()).value();
+  const LayeredImage all(render_layers(scene_, settings_, layers)), some(alone);
+  EXPECT_EQ(alone.planes.size(), 4u);
+  for (int x = 0; x < settings_.width_px; ++x)
+    EXPECT_EQ(some.color(x, 9, "Combined_sky."), all.color(x, 9, "Combined_sky.")) << x;
+}
+
 TEST_P(Layered, HaveTheSameBytesHoweverARenderIsCutUp) {
-  settings_.layers = kAllLayers;
+  settings_.layers = with_group_names(kAllLayers, scene_.light_groups()).value();
   const TileGrid grid(settings_.window(), 16);
-  Film whole(grid, kAllLayers), pieces(grid, kAllLayers);
-  whole.add(render(scene_, settings_, grid.window(), {0, settings_.spp}, 3));
+  Film whole(grid, settings_.layers), pieces(grid, settings_.layers);
+  const RenderPlan plan = prepare(scene_, settings_, 3);
+  whole.add(render(plan, grid.window(), {0, settings_.spp}, 3));
   std::mt19937 random(5);
   std::vector<std::pair<int, SampleRange>> work;
   for (int tile = 0; tile < grid.tile_count(); ++tile)
     for (const SampleRange range : {SampleRange{0, 1}, SampleRange{1, 4}, SampleRange{4, settings_.spp}})
       work.emplace_back(tile, range);
   std::shuffle(work.begin(), work.end(), random);
-  for (const auto& [tile, range] : work) pieces.add(render(scene_, settings_, grid.rect(tile), range, 1));
+  for (const auto& [tile, range] : work) pieces.add(render(plan, grid.rect(tile), range, 1));
   EXPECT_TRUE(pieces == whole);
-  const FilmLayout layout = film_layout(kAllLayers);
+  const FilmLayout layout = film_layout(settings_.layers);
   for (int tile = 0; tile < grid.tile_count(); ++tile) {
     const auto possible = check_planes(layout, whole.tile(tile).planes, grid.rect(tile), settings_.spp);
     EXPECT_TRUE(possible) << possible.error().message;
@@ -276,6 +316,53 @@ TEST(FirstSurfaces, CountInstancesFromOne) {
   EXPECT_EQ(image.at(1, 1, "InstanceID.X"), 2);
   EXPECT_EQ(std::bit_cast<std::uint32_t>(image.at(1, 1, "CryptoAsset00.r")), crypto_id("ball"));
   EXPECT_EQ(std::bit_cast<std::uint32_t>(image.at(1, 1, "CryptoObject00.r")), crypto_id("shapes[2]"));
+}
+
+// Where all lights are sampled alone, a group is the image of its lights but for rounding.
+TEST(LightGroups, AreTheImagesOfTheirLights) {
+  const auto scene_of = [](bool key, bool fill) {
+    test::SceneMaker maker({.position = {0, 1, 4}, .look_at = {0, 1, 0}});
+    const auto white = maker.material(test::lambert(0.7f));
+    maker.material(Mirror{{Rgb::gray(0.8f), -1}});
+    maker.add(QuadDescription{{-3, 0, 3}, {6, 0, 0}, {0, 0, -6}, white});
+    maker.add(SphereDescription{{0, 0.8f, 0}, 0.8f, 1});
+    SceneDescription& scene = maker.description();
+    if (key) scene.lights.push_back(DirectionalLightDescription{{1, -1, -1}, {3, 2, 1}, "key"});
+    if (fill) scene.lights.push_back(DirectionalLightDescription{{-1, -2, 0}, {0, 1, 2}, "fill"});
+    scene.settings = {.width_px = 24, .height_px = 20, .spp = 2, .integrator = Integrator::kWhitted};
+    return Scene::build(scene, 1).value();
+  };
+  const Scene both = scene_of(true, true);
+  const LayerSet layers = with_group_names({0, true}, both.light_groups()).value();
+  const LayeredImage image(render_layers(both, both.settings(), layers));
+  const Scene key_alone = scene_of(true, false), fill_alone = scene_of(false, true);
+  const LayeredImage key(render_layers(key_alone, key_alone.settings(), {})),
+      fill(render_layers(fill_alone, fill_alone.settings(), {}));
+  double sum = 0;
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 24; ++x) {
+      for (const char* const c : {"R", "G", "B"}) {
+        EXPECT_NEAR(image.at(x, y, std::string("Combined_key.") + c), key.at(x, y, c), 1e-6f);
+        EXPECT_NEAR(image.at(x, y, std::string("Combined_fill.") + c), fill.at(x, y, c), 1e-6f);
+      }
+      sum += static_cast<double>(key.at(x, y, "R"));
+    }
+  EXPECT_GT(sum, 10);
+}
+
+TEST(LightGroups, OfTheSceneAreNamedInItsSettings) {
+  SceneDescription room = varied_room(false);
+  room.settings.layers.light_groups = true;
+  EXPECT_EQ(Scene::build(room, 1).value().settings().layers.groups.size(), 3u);
+  room.settings.layers.groups = {"moon"};
+  EXPECT_EQ(Scene::build(room, 1).error().message,
+            "layers: there is no light group 'moon'; the scene has ember, lamp, sky");
+  const auto all = resolve_settings(varied_room(false), {.layers = kAllLayers});
+  EXPECT_EQ(layer_names(all->layers).back(), "group.sky");
+  EXPECT_EQ(resolve_settings(test::room(), {.layers = kAllLayers})->layers, LayerSet{kAllLayers.bits});
+  room = varied_room(false);
+  room.materials[0].light_group = "a.b";
+  EXPECT_NE(Scene::build(room, 1).error().message.find("group must be 1 to 64 letters"), std::string::npos);
 }
 
 }  // namespace

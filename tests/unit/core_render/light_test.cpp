@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/lights/light_sampler.hpp"
 #include "core/math/frame.hpp"
 #include "core/sampling/sampler.hpp"
 #include "core/sampling/warp.hpp"
@@ -26,7 +27,7 @@ struct LightCase {
 
 class LightSampling : public testing::TestWithParam<LightCase> {
  protected:
-  LightSampling() : scene_(build()) {}
+  LightSampling() : scene_(build()), sampler_(scene_.lights(), LightSampler::Among::kAll, 1) {}
 
   static Scene build() {
     test::SceneMaker maker({});
@@ -42,7 +43,7 @@ class LightSampling : public testing::TestWithParam<LightCase> {
     if (!hit.found()) return 0;
     const std::uint32_t id = scene_.light_of(hit);
     const Vec3 p_light = scene_.primitives().surface(ray, hit).position;
-    return static_cast<double>(scene_.light_sampler().pmf({GetParam().p_lit}, id) *
+    return static_cast<double>(sampler_.pmf({GetParam().p_lit}, id) *
                                area_light(id).pdf(GetParam().p_lit, p_light));
   }
 
@@ -51,6 +52,7 @@ class LightSampling : public testing::TestWithParam<LightCase> {
   }
 
   Scene scene_;
+  LightSampler sampler_;
 };
 
 // What a light sends to a point, once by sampling it and once by looking in all directions for it.
@@ -60,7 +62,7 @@ TEST_P(LightSampling, AgreesWithLookingAround) {
   double sampled = 0, looked = 0, pdf_integral = 0;
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(5, i % 1000, i / 1000, 0).pad(0);
-    const auto choice = scene_.light_sampler().sample({p}, static_cast<double>(u[2]));
+    const auto choice = sampler_.sample({p}, static_cast<double>(u[2]));
     if (choice.light == kNoLight) continue;
     const AreaLight& light = area_light(choice.light);
     if (const auto s = light.sample(scene_.textures(), p, {u[0], u[1]})) {
@@ -88,7 +90,7 @@ TEST_P(LightSampling, SamplesMatchTheDensity) {
   std::vector<double> observed(kRows * kColumns), expected(kRows * kColumns);
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(9, i % 1000, i / 1000, 0).pad(0);
-    const auto choice = scene_.light_sampler().sample({p}, static_cast<double>(u[2]));
+    const auto choice = sampler_.sample({p}, static_cast<double>(u[2]));
     const auto s = sample_light(scene_.lights()[choice.light], {}, {p, {}}, {u[0], u[1]});
     ASSERT_TRUE(s);
     const Vec3 w = frame.to_local(s->wi);

@@ -249,7 +249,7 @@ TEST(Media, ASlabTransmitsByBeersLaw) {
   EXPECT_TRUE(scene.has_media());
   RenderCounters counters;
   const Ray ray{{0, 0, 5}, {0, 0, -1}};
-  expect_near(trace_volume_path(scene, {}, Sampler(0, 0, 0, 0), ray, counters),
+  expect_near(trace_volume_path(prepare(scene, {}, 1), Sampler(0, 0, 0, 0), ray, counters),
               beam_transmittance({0.1f, 0.35f, 1.5f}, 2), 1e-5f);
 }
 
@@ -306,11 +306,12 @@ TEST(Media, HaveTheSameBytesHoweverAnImageIsDivided) {
   maker.description().environment = {{Rgb::gray(1)}};
   const Scene scene = maker.build();
   const RenderSettings settings{.width_px = 20, .height_px = 12, .spp = 4};
-  const FilmTile whole = render(scene, settings, {0, 0, 20, 12}, {0, 4}, 2);
+  const RenderPlan plan = prepare(scene, settings, 2);
+  const FilmTile whole = render(plan, {0, 0, 20, 12}, {0, 4}, 2);
   std::vector<std::uint64_t> sums(whole.sums.size());
   for (const PixelRect part : {PixelRect{0, 0, 7, 12}, PixelRect{7, 0, 20, 12}})
     for (std::uint32_t s = 0; s < 4; ++s) {
-      const FilmTile tile = render(scene, settings, part, {s, s + 1}, 1);
+      const FilmTile tile = render(plan, part, {s, s + 1}, 1);
       for (int y = part.y0; y < part.y1; ++y)
         for (int x = part.x0; x < part.x1; ++x)
           for (int c = 0; c < 3; ++c)
@@ -328,7 +329,7 @@ TEST(Media, UnusedChangeNothing) {
   const auto sums_of = [&](const SceneDescription& description) {
     const Scene scene = Scene::build(description, 1).value();
     EXPECT_FALSE(scene.has_media());
-    return render(scene, description.settings, all, {0, 2}, 1).sums;
+    return render(prepare(scene, description.settings, 1), all, {0, 2}, 1).sums;
   };
   const auto before = sums_of(room);
   room.media = {{.sigma_a = Rgb::gray(1)}};

@@ -37,7 +37,8 @@ SceneDescription silhouette(const ShapeDescription& shape, std::vector<MotionSte
 
 std::vector<double> means(const Scene& scene, SampleRange range) {
   const RenderSettings& settings = scene.settings();
-  const FilmTile tile = render(scene, settings, {0, 0, settings.width_px, settings.height_px}, range, 2);
+  const FilmTile tile =
+      render(prepare(scene, settings, 2), {0, 0, settings.width_px, settings.height_px}, range, 2);
   std::vector<double> means;
   for (std::size_t i = 0; i < tile.sums.size(); i += 3)
     means.push_back(static_cast<double>(tile.sums[i]) * kFilmUnit / (range.end - range.begin));
@@ -236,7 +237,8 @@ TEST(MotionBlur, LeavesWhatDoesNotMoveToTheBit) {
   EXPECT_TRUE(a.has_motion());
   EXPECT_FALSE(b.has_motion());
   const PixelRect right{4, 0, 8, 8};
-  EXPECT_EQ(render(a, a.settings(), right, {0, 16}, 1).sums, render(b, b.settings(), right, {0, 16}, 1).sums);
+  EXPECT_EQ(render(prepare(a, a.settings(), 1), right, {0, 16}, 1).sums,
+            render(prepare(b, b.settings(), 1), right, {0, 16}, 1).sums);
 }
 
 TEST(MotionBlur, IsOffWhereTheShutterIsOpenAndNothingMoves) {
@@ -254,6 +256,20 @@ TEST(MotionBlur, ShowsWhatStandsStillWhereItIsWhileTheShutterIsOpen) {
   scene.camera.shutter_open = 1.25f;
   scene.camera.shutter_close = 1.75f;
   EXPECT_EQ(means(scene, 16), means(still_at(scene, 1.25f), 16));
+}
+
+// An instant between two frames, of all that would move.
+TEST(MotionBlur, OfNoTimeIsTheInstant) {
+  SceneDescription scene = silhouette(kRod, {TurnMotion{{0, 0, 1}, {{0, 2}, {0, 180}}}});
+  scene.animation.camera.position = {{0, 2}, {{0, 0, 5}, {0.5f, 0.2f, 5}}};
+  scene.camera.shutter_open = scene.camera.shutter_close = 0.75f;
+  Scene shown = Scene::build(scene, 1).value();
+  EXPECT_FALSE(shown.has_motion());
+  EXPECT_EQ(means(shown, {0, 8}), means(still_at(scene, 0.75f), 8));
+  ASSERT_TRUE(shown.set_frame(1, 1));
+  EXPECT_EQ(means(shown, {0, 8}), means(still_at(scene, 1.75f), 8));
+  scene.camera.shutter_open = scene.camera.shutter_close = 0;
+  EXPECT_EQ(means(scene, 8), means(still_at(scene, 0), 8));
 }
 
 // Frame 3 with the shutter of frame 0 moved by three frames.
@@ -280,8 +296,8 @@ TEST(MotionBlur, OfASampleDoesNotDependOnOthers) {
   room.animation.instances = {{static_cast<std::uint32_t>(room.shapes.size()) - 1, shift(-0.5f, 0.5f)}};
   room.camera.shutter_close = 1;
   const Scene scene = Scene::build(room, 1).value();
-  const FilmTile whole = render(scene, scene.settings(), {0, 0, 6, 4}, {0, 8}, 1);
-  const FilmTile part = render(scene, scene.settings(), {2, 1, 3, 2}, {0, 8}, 2);
+  const FilmTile whole = render(prepare(scene, scene.settings(), 1), {0, 0, 6, 4}, {0, 8}, 1);
+  const FilmTile part = render(prepare(scene, scene.settings(), 2), {2, 1, 3, 2}, {0, 8}, 2);
   for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(part.sums[c], whole.sums[3 * (1 * 6 + 2) + c]);
 }
 
@@ -303,6 +319,10 @@ TEST(MotionBlur, OfWhatCannotBeRenderedIsRefused) {
   SceneDescription meets_look_at = silhouette(kRod, shift(0, 1));
   meets_look_at.animation.camera.position = {{0, 0.51f, 0.52f}, {{0, 0, 5}, {0, 0, 0}, {0, 0, 5}}};
   EXPECT_THAT(refusal(meets_look_at), HasSubstr("while the shutter is open: camera.look_at: must differ"));
+  SceneDescription flat_then =
+      silhouette(kRod, {ScaleMotion{{{0, 0.5f, 1}, {{1, 1, 1}, {1e-30f, 1, 1}, {1, 1, 1}}}}});
+  flat_then.camera.shutter_open = flat_then.camera.shutter_close = 0.5f;
+  EXPECT_THAT(refusal(flat_then), HasSubstr("while the shutter is open: shapes[0]: the transform flattens"));
   SceneDescription closes_first = silhouette(kRod, shift(0, 1));
   closes_first.camera.shutter_close = -1;
   EXPECT_THAT(refusal(closes_first), HasSubstr("camera.shutter: must open before it closes"));

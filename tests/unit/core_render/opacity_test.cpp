@@ -340,15 +340,16 @@ TEST(Opacity, LeavesSamplesPureFunctions) {
     settings.integrator = integrator;
     const TileGrid grid(settings.width_px, settings.height_px, 16);
     const PixelRect whole{0, 0, settings.width_px, settings.height_px};
-    const FilmTile one = render(scene, settings, whole, {0, settings.spp}, 1);
-    const FilmTile many = render(scene, settings, whole, {0, settings.spp}, 3);
+    const RenderPlan plan = prepare(scene, settings, 2);
+    const FilmTile one = render(plan, whole, {0, settings.spp}, 1);
+    const FilmTile many = render(plan, whole, {0, settings.spp}, 3);
     ASSERT_EQ(one.sums, many.sums) << integrator_name(integrator);
     ASSERT_EQ(one.counters, many.counters) << integrator_name(integrator);
     Film expected(grid), film(grid);
     expected.add(one);
     for (int tile = grid.tile_count() - 1; tile >= 0; --tile)
       for (const SampleRange range : {SampleRange{3, settings.spp}, SampleRange{0, 3}})
-        film.add(render(scene, settings, grid.rect(tile), range, 2));
+        film.add(render(plan, grid.rect(tile), range, 2));
     ASSERT_TRUE(film == expected) << integrator_name(integrator);
   }
 }

@@ -8,7 +8,6 @@
 #include <random>
 #include <vector>
 
-#include "core/integrators/caustic_guide.hpp"
 #include "core/integrators/fingerprint.hpp"
 #include "core/integrators/path.hpp"
 #include "tests/support/effort.hpp"
@@ -39,8 +38,8 @@ class PathBatch : public testing::TestWithParam<Integrator> {
   std::vector<Rgb> trace(const std::vector<std::size_t>& order, std::size_t size) {
     std::vector<Rgb> found(size), radiance(order.size());
     std::vector<Sampler> samplers(size, Sampler(0, 0, 0, 0));
-    const auto tracer =
-        std::make_unique<PathTracer>(scene_, settings_, caustic_guide(scene_, settings_, 1), samplers, found);
+    const RenderPlan plan = plans_.get(settings_, 1);
+    const auto tracer = std::make_unique<PathTracer>(plan, samplers, found);
     std::vector<std::size_t> serves(size);  // which of the order each path does
     std::vector<std::uint32_t> free(size);
     std::iota(free.begin(), free.end(), 0u);
@@ -61,6 +60,7 @@ class PathBatch : public testing::TestWithParam<Integrator> {
   }
 
   Scene scene_;
+  RenderPlans plans_{scene_};
   RenderSettings settings_;
   std::vector<Start> starts_;
   RenderCounters counters_;

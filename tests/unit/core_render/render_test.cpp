@@ -18,7 +18,7 @@ class Render : public testing::Test {
 
   PixelRect picture() const { return {0, 0, scene_.settings().width_px, scene_.settings().height_px}; }
   FilmTile whole(const RenderSettings& settings, int threads) const {
-    return render(scene_, settings, picture(), {0, settings.spp}, threads);
+    return render(prepare(scene_, settings, threads), picture(), {0, settings.spp}, threads);
   }
 
   Scene scene_;
@@ -53,8 +53,9 @@ TEST_F(Render, CuttingAndShufflingDoesNotChangeABit) {
       }
     std::shuffle(work.begin(), work.end(), random);
     Film film(grid);
+    const RenderPlan plan = prepare(scene_, settings, 1);
     for (const auto& [tile, range] : work)
-      film.add(render(scene_, settings, grid.rect(tile), range, 1 + static_cast<int>(random() % 3)));
+      film.add(render(plan, grid.rect(tile), range, 1 + static_cast<int>(random() % 3)));
     ASSERT_TRUE(film == expected) << integrator_name(integrator);
   }
 }
@@ -62,8 +63,8 @@ TEST_F(Render, CuttingAndShufflingDoesNotChangeABit) {
 TEST_F(Render, AskingForMoreSamplesKeepsTheFirst) {
   RenderSettings more = scene_.settings();
   more.spp = 1000;
-  EXPECT_EQ(render(scene_, more, {3, 5, 20, 9}, {2, 9}, 1).sums,
-            render(scene_, scene_.settings(), {3, 5, 20, 9}, {2, 9}, 1).sums);
+  EXPECT_EQ(render(prepare(scene_, more, 1), {3, 5, 20, 9}, {2, 9}, 1).sums,
+            render(prepare(scene_, scene_.settings(), 1), {3, 5, 20, 9}, {2, 9}, 1).sums);
 }
 
 TEST_F(Render, SeedsGiveIndependentPictures) {
@@ -83,16 +84,18 @@ TEST_F(Render, CountsWhatItDoes) {
 
 TEST_F(Render, OneSampleCanBeReplayed) {
   const SampleId id{24, 20, 5};
-  const FilmTile tile = render(scene_, scene_.settings(), {24, 20, 25, 21}, {5, 6}, 1);
-  const Rgb radiance = render_sample(scene_, scene_.settings(), id);
+  const RenderPlan plan = prepare(scene_, scene_.settings(), 1);
+  const FilmTile tile = render(plan, {24, 20, 25, 21}, {5, 6}, 1);
+  const Rgb radiance = render_sample(plan, id);
   for (std::size_t c = 0; c < 3; ++c)
     EXPECT_NEAR(static_cast<double>(tile.sums[c]) * kFilmUnit,
                 static_cast<double>(radiance[static_cast<int>(c)]), kFilmUnit);
 }
 
 TEST_F(Render, OddSamplesAreSummedApart) {
-  const FilmTile both = render(scene_, scene_.settings(), {0, 0, 8, 8}, {0, 2}, 1);
-  const FilmTile odd = render(scene_, scene_.settings(), {0, 0, 8, 8}, {1, 2}, 1);
+  const RenderPlan plan = prepare(scene_, scene_.settings(), 1);
+  const FilmTile both = render(plan, {0, 0, 8, 8}, {0, 2}, 1);
+  const FilmTile odd = render(plan, {0, 0, 8, 8}, {1, 2}, 1);
   EXPECT_EQ(both.odd_sums, odd.sums);
 }
 
@@ -102,17 +105,18 @@ TEST(RenderNonFinite, IsCountedAndNamedAndBlack) {
   maker.add(QuadDescription{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, overflowing});
   maker.add(QuadDescription{{-1, -1, -1}, {2, 0, 0}, {0, 0, 2}, overflowing});
   const Scene scene = maker.build();
-  const FilmTile tile = render(scene, {.width_px = 16, .height_px = 16, .spp = 4}, {0, 0, 16, 16}, {0, 4}, 2);
+  const RenderPlan plan = prepare(scene, {.width_px = 16, .height_px = 16, .spp = 4}, 2);
+  const FilmTile tile = render(plan, {0, 0, 16, 16}, {0, 4}, 2);
   ASSERT_GT(tile.counters.non_finite_samples, 0u);
   ASSERT_TRUE(tile.counters.first_non_finite);
   EXPECT_GT(tile.counters.saturated_samples, 0u);
-  EXPECT_FALSE(
-      is_finite(render_sample(scene, {.width_px = 16, .height_px = 16}, *tile.counters.first_non_finite)));
+  EXPECT_FALSE(is_finite(render_sample(plan, *tile.counters.first_non_finite)));
 }
 
 // Each sample's direct light is kept, and its indirect light limited.
 TEST(ClampIndirect, LimitsIndirectLightOfEachSample) {
   const Scene scene = Scene::build(test::room(), 1).value();
+  RenderPlans plans(scene);
   constexpr float kLimit = 0.3f;
   int limited = 0;
   for (int x = 0; x < 400; ++x) {
@@ -121,7 +125,7 @@ TEST(ClampIndirect, LimitsIndirectLightOfEachSample) {
       RenderSettings settings = scene.settings();
       settings.max_depth = max_depth;
       settings.clamp_indirect = clamp;
-      return render_sample(scene, settings, id);
+      return render_sample(plans.get(settings, 1), id);
     };
     const Rgb all = radiance(0, 0), direct = radiance(1, 0), clamped = radiance(0, kLimit);
     const float most = max_component(all - direct), scale = most > kLimit ? kLimit / most : 1;

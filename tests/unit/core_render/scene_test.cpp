@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 
+#include "core/lights/light_sampler.hpp"
 #include "core/scene/validation.hpp"
 #include "tests/support/test_scenes.hpp"
 
@@ -89,8 +90,9 @@ TEST(Scene, PutsLightsInOrderAndKnowsWhichNoRayMeets) {
   EXPECT_TRUE(std::holds_alternative<DirectionalLight>(scene.lights()[3]));
   EXPECT_EQ(scene.environment_light(), 4u);
   const LightSampleContext point{{0, 0.5f, 0}, {}};
-  for (const std::uint32_t light : {0u, 1u, 4u}) EXPECT_EQ(scene.delta_light_sampler().pmf(point, light), 0);
-  EXPECT_NEAR(scene.delta_light_sampler().pmf(point, 2) + scene.delta_light_sampler().pmf(point, 3), 1, 1e-6);
+  const LightSampler sampler(scene.lights(), LightSampler::Among::kDelta, 1);
+  for (const std::uint32_t light : {0u, 1u, 4u}) EXPECT_EQ(sampler.pmf(point, light), 0);
+  EXPECT_NEAR(sampler.pmf(point, 2) + sampler.pmf(point, 3), 1, 1e-6);
 }
 
 TEST(Scene, WeighsTexturedLampsByTheirMean) {
@@ -104,7 +106,8 @@ TEST(Scene, WeighsTexturedLampsByTheirMean) {
     maker.add(QuadDescription{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, material});
   const Scene scene = maker.build();
   const LightSampleContext point{{0.3f, 0.4f, 1}, {}};
-  EXPECT_NEAR(scene.light_sampler().pmf(point, 0), scene.light_sampler().pmf(point, 1), 1e-6);
+  const LightSampler sampler(scene.lights(), LightSampler::Among::kAll, 1);
+  EXPECT_NEAR(sampler.pmf(point, 0), sampler.pmf(point, 1), 1e-6);
 }
 
 // Edges whose squares do not fit a float.
@@ -167,14 +170,14 @@ TEST(Scene, RefusesWhatCannotBeRendered) {
   EXPECT_THAT(error_of(description), HasSubstr("camera.up"));
   description = test::room();
   description.lights = {PointLightDescription{{0, 0, 0}, Rgb::gray(-1)}};
-  EXPECT_THAT(error_of(description), HasSubstr("lights[0]: intensity must be finite and not negative"));
+  EXPECT_THAT(error_of(description), HasSubstr("lights[0]: intensity must be 0 or greater, got ["));
   description.lights = {SpotLightDescription{.position = {1, 0, 0}, .look_at = {1, 0, 0}, .intensity = {}}};
   EXPECT_THAT(error_of(description), HasSubstr("lights[0]: position and look_at must be two points"));
   description.lights = {DirectionalLightDescription{{0, 0, 0}, Rgb::gray(1)}};
   EXPECT_THAT(error_of(description), HasSubstr("lights[0]: direction must have a length"));
   description = test::room();
   description.environment = {{Rgb::gray(1), 3}};
-  EXPECT_THAT(error_of(description), HasSubstr("environment: there is no such texture"));
+  EXPECT_THAT(error_of(description), HasSubstr("environment: texture: there is no such texture"));
   description = test::room();
   description.materials[0].emission.texture = 7;
   EXPECT_THAT(error_of(description), HasSubstr("material 'm0': emission: there is no such texture"));

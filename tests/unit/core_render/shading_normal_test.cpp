@@ -91,13 +91,14 @@ TEST(BendForReflection, KeepsTheMirrorDirectionAbove) {
 }
 
 // A triangle with normals that lean far, seen from all around.
-Scene leaning_triangle(const MaterialModel& model) {
+Scene leaning_triangle(const MaterialModel& model, ShadingNormals normals = ShadingNormals::kConserving) {
   test::SceneMaker maker({});
   maker.add(MeshDescription{.positions = {{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}},
                             .normals = {{-0.7f, -0.7f, 1}, {1.5f, 0, 1}, {0, 1.5f, 1}},
                             .uvs = {},
                             .triangles = {{0, 1, 2}},
                             .triangle_materials = {maker.material(model)}});
+  maker.description().materials.front().shading_normals = normals;
   return maker.build();
 }
 
@@ -154,6 +155,26 @@ INSTANTIATE_TEST_SUITE_P(Models, LeaningNormals,
                          testing::Values(MaterialModel{Lambert{}}, MaterialModel{Phong{}},
                                          MaterialModel{CookTorrance{.roughness = 0.4f}},
                                          MaterialModel{Glass{.roughness = 0.5f}}));
+
+// Even light from above a surface arrives at a plain normal that is tilted by t with the share (1 + cos t) /
+// 2: what comes from below the surface is lost.
+TEST(PlainNormals, LoseTheLightFromBelowTheSurface) {
+  const std::vector<Vec3> directions = all_around();
+  const Scene scene = leaning_triangle(Lambert{{Rgb::gray(1)}}, ShadingNormals::kPlain);
+  const Vec3 from{0.1f, 0.2f, 0.97f};
+  const Ray ray{Vec3{-0.5f, -0.6f, 0} + from, -from};
+  const PathVertex vertex(scene, ray, scene.bvh().closest_hit(scene.primitives(), ray));
+  const double expected = (1 + static_cast<double>(dot(vertex.shading_normal(), vertex.side_normal()))) / 2;
+  ASSERT_LT(expected, 0.99);
+  EXPECT_NEAR(integral(directions, [&](Vec3 w) { return vertex.evaluate(w).value.g; }), expected, 2e-3);
+  double sum = 0;
+  constexpr int kSamples = 20000;
+  for (int i = 0; i < kSamples; ++i) {
+    const auto u = Sampler(7, i, 0, 0).pad(0);
+    if (const auto sample = vertex.sample({u[0], u[1]}, u[2])) sum += static_cast<double>(sample->weight.g);
+  }
+  EXPECT_NEAR(sum / kSamples, expected, 5e-3);
+}
 
 }  // namespace
 }  // namespace tessera::core

@@ -24,7 +24,7 @@ MeshDescription square(const std::vector<Rgb>& colors, std::uint32_t material) {
 // The colour of a square in a white furnace, whose vertices are all of one colour.
 Rgb color_in_furnace(const MaterialModel& model, Rgb vertex_color, bool in_instance = false) {
   test::SceneMaker maker({.position = {0, 0, 4}, .look_at = {0, 0, 0}, .vertical_fov_degrees = 2});
-  maker.description().environment = {{Rgb::gray(1)}};
+  maker.description().environment.emplace().radiance = {Rgb::gray(1)};
   const auto material = maker.material(model);
   const MeshDescription mesh = square(std::vector(4, vertex_color), material);
   if (in_instance) {
@@ -37,7 +37,7 @@ Rgb color_in_furnace(const MaterialModel& model, Rgb vertex_color, bool in_insta
   const Scene scene = maker.build();
   constexpr std::uint32_t kSpp = 1024;
   const RenderSettings settings{.width_px = 1, .height_px = 1, .spp = kSpp};
-  const FilmTile tile = render(scene, settings, {0, 0, 1, 1}, {0, kSpp}, 1);
+  const FilmTile tile = render(prepare(scene, settings, 1), {0, 0, 1, 1}, {0, kSpp}, 1);
   const auto value = [&](std::size_t channel) {
     return static_cast<float>(static_cast<double>(tile.sums[channel]) * kFilmUnit / kSpp);
   };

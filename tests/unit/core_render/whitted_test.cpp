@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "tests/support/mean_radiance.hpp"
@@ -70,7 +71,8 @@ TEST(Whitted, SamplesSomeOfManyLights) {
   const Scene scene = maker.build();
   EXPECT_NEAR(whitted(scene, 0, 2000), 0.6 / std::numbers::pi * irradiance, 2e-3 * irradiance);
   const RenderSettings settings{.width_px = 4, .height_px = 4, .integrator = Integrator::kWhitted};
-  EXPECT_EQ(render(scene, settings, {0, 0, 4, 4}, {0, 1}, 1).counters.shadow_rays, 16 * kMaxWhittedLights);
+  EXPECT_EQ(render(prepare(scene, settings, 1), {0, 0, 4, 4}, {0, 1}, 1).counters.shadow_rays,
+            16 * kMaxWhittedLights);
 }
 
 TEST(Whitted, LeavesOutLightThatIsScatteredTwice) {
@@ -110,14 +112,17 @@ TEST(Whitted, FollowsReflectionsToTheDepthLimit) {
 // each depth.
 TEST(Whitted, EndsATreeThatGrowsWithoutEnd) {
   test::SceneMaker maker(looking_ahead(0.5f));
+  // Only textures can reflect more than they receive.
+  maker.description().textures = {
+      {.image = std::make_shared<TextureImage>(1, 1, std::vector<float>{1, 1, 1})}};
   const auto glass =
-      maker.material(Glass{.ior = 4, .reflectance = {Rgb::gray(8)}, .transmittance = {Rgb::gray(8)}});
+      maker.material(Glass{.ior = 4, .reflectance = {Rgb::gray(8), 0}, .transmittance = {Rgb::gray(8), 0}});
   for (const float z : {-1.0f, 1.0f}) maker.add(upright(z, glass));
   maker.add(upright(-2, maker.material(Mirror{})));
   maker.add(upright(2, maker.material(Mirror{})));
   const RenderSettings settings{
       .width_px = 1, .height_px = 1, .integrator = Integrator::kWhitted, .max_depth = kMaxDepth};
-  EXPECT_EQ(render(maker.build(), settings, {0, 0, 1, 1}, {0, 1}, 1).counters.closest_hit_rays,
+  EXPECT_EQ(render(prepare(maker.build(), settings, 1), {0, 0, 1, 1}, {0, 1}, 1).counters.closest_hit_rays,
             static_cast<std::uint64_t>(kMaxWhittedRays));
 }
 

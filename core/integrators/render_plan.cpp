@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/integrators/render_plan.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "core/integrators/caustic_guide.hpp"
+#include "core/integrators/volume_path.hpp"
+#include "core/integrators/whitted.hpp"
+
+namespace tessera::core {
+namespace {
+
+LightSampler light_sampler_for(const Scene& scene, Integrator integrator, int threads) {
+  const auto among =
+      integrator == Integrator::kNaive ? LightSampler::Among::kDelta : LightSampler::Among::kAll;
+  return LightSampler(scene.lights(), among, threads);
+}
+
+// Photons pass through no media.
+bool uses_guide(const Scene& scene, Integrator integrator) {
+  return (integrator == Integrator::kNee || integrator == Integrator::kMis) && !scene.has_media();
+}
+
+SampleTracer sample_tracer_for(const Scene& scene, Integrator integrator) {
+  if (integrator == Integrator::kWhitted) return trace_whitted;
+  return scene.has_media() ? trace_volume_path : nullptr;
+}
+
+}  // namespace
+
+RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threads) {
+  auto prepared = std::make_shared<RenderPlan::Prepared>();
+  prepared->light_sampler = light_sampler_for(scene, settings.integrator, threads);
+  if (uses_guide(scene, settings.integrator))
+    prepared->guide = build_caustic_guide(scene, prepared->light_sampler, threads);
+  prepared->material_bins = material_bins(scene.materials());
+  prepared->sample_tracer = sample_tracer_for(scene, settings.integrator);
+  return {scene, settings, std::move(prepared)};
+}
+
+RenderPlan RenderPlan::with(const RenderSettings& settings) const {
+  assert(settings.integrator == settings_.integrator && is_current());
+  return {*scene_, settings, prepared_};
+}
+
+RenderPlan RenderPlans::get(const RenderSettings& settings, int threads) {
+  const MutexLock lock(mutex_);
+  std::erase_if(plans_, [](const RenderPlan& plan) { return !plan.is_current(); });
+  const auto known = std::find_if(plans_.begin(), plans_.end(), [&](const RenderPlan& plan) {
+    return plan.settings().integrator == settings.integrator;
+  });
+  if (known != plans_.end()) return known->with(settings);
+  return plans_.emplace_back(prepare(scene_, settings, threads));
+}
+
+}  // namespace tessera::core

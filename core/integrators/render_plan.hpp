@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// What rendering needs besides the scene: everything that is computed once for a scene and settings, so that
+// calls of render() only trace rays. A plan is immutable, shared by all threads, and cheap to copy.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/mutex.hpp"
+#include "core/film/film.hpp"
+#include "core/guiding/light_guide.hpp"
+#include "core/integrators/light_parts.hpp"
+#include "core/integrators/shading_bins.hpp"
+#include "core/lights/light_sampler.hpp"
+#include "core/sampling/sampler.hpp"
+#include "core/scene/scene.hpp"
+#include "core/scene/settings.hpp"
+
+namespace tessera::core {
+
+class RenderPlan;
+
+// Traces the camera ray of one sample and returns its radiance. Counts rays, and adds the light's parts to
+// `parts` if that is not null.
+using SampleTracer = Rgb (*)(const RenderPlan& plan, const Sampler& sampler, const Ray& ray,
+                             RenderCounters& counters, LightParts* parts);
+
+class RenderPlan {
+ public:
+  const Scene& scene() const { return *scene_; }
+  const RenderSettings& settings() const { return settings_; }
+  // Whether the scene still shows what the plan was made for.
+  bool is_current() const { return scene_->revision() == revision_; }
+
+  // Samples the lights that the integrator connects to: `naive` only those that rays cannot hit.
+  const LightSampler& light_sampler() const { return prepared_->light_sampler; }
+  // Where caustics come from; null if the integrator uses no guide or there are none.
+  const LightGuide* guide() const { return prepared_->guide.cells().empty() ? nullptr : &prepared_->guide; }
+  std::span<const MaterialBin> material_bins() const { return prepared_->material_bins; }
+  // Null if the integrator traces batches of paths (path.hpp).
+  SampleTracer sample_tracer() const { return prepared_->sample_tracer; }
+
+  // The plan for other settings with the same integrator: all else is independent of settings, and shared.
+  RenderPlan with(const RenderSettings& settings) const;
+
+ private:
+  friend RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threads);
+  struct Prepared {
+    LightSampler light_sampler;
+    LightGuide guide;
+    std::vector<MaterialBin> material_bins;
+    SampleTracer sample_tracer = nullptr;
+  };
+  RenderPlan(const Scene& scene, const RenderSettings& settings, std::shared_ptr<const Prepared> prepared)
+      : scene_(&scene), revision_(scene.revision()), settings_(settings), prepared_(std::move(prepared)) {}
+
+  const Scene* scene_;
+  std::uint64_t revision_;
+  RenderSettings settings_;
+  std::shared_ptr<const Prepared> prepared_;
+};
+
+// Takes some tenths of a second where there are caustics. The result does not depend on `threads`. It refers
+// to the scene, and is of use until that shows another frame (RenderPlan::is_current).
+RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threads);
+
+// Makes the plans of a scene for various settings, and prepares once for each integrator. Thread-safe while
+// the scene does not change.
+class RenderPlans {
+ public:
+  // Keeps a reference.
+  explicit RenderPlans(const Scene& scene) : scene_(scene) {}
+
+  const Scene& scene() const { return scene_; }
+  // As prepare(); while one thread prepares, others wait.
+  RenderPlan get(const RenderSettings& settings, int threads);
+
+ private:
+  const Scene& scene_;
+  Mutex mutex_;
+  std::vector<RenderPlan> plans_ TESSERA_GUARDED_BY(mutex_);  // one for each integrator
+};
+
+}  // namespace tessera::core
