@@ -137,43 +137,61 @@ Value sampler_of(const Value& animation, const Value& index) {
 // More than any mesh has morph targets; many nodes can refer to one accessor of millions of numbers.
 constexpr std::size_t kMaxWeights = 4096;
 
-void apply_channel(const Document& document, Accessors& accessors, const Value& sampler_value,
-                   const std::string& path, float seconds, NodePose& pose) {
-  const bool is_rotation = path == "rotation", is_weights = path == "weights";
-  KeyframeSampler sampler(sampler_value, accessors, is_weights ? 1 : is_rotation ? 4 : 3);
-  if (is_weights) sampler.split_weights();
-  if (sampler.empty())
-    return document.warn(sampler_value, "animation without keyframes", "has no keyframes; it is ignored");
-  const std::vector<float> values = sampler.at(seconds, is_rotation);
-  if (is_weights) {
+}  // namespace
+
+// A parameter of a node.
+struct NodeAnimation::Channel {
+  std::size_t node;
+  std::string path;
+  KeyframeSampler sampler;
+
+  bool is_rotation() const { return path == "rotation"; }
+  void apply(float seconds, NodePose& pose) const;
+};
+
+void NodeAnimation::Channel::apply(float seconds, NodePose& pose) const {
+  const std::vector<float> values = sampler.at(seconds, is_rotation());
+  if (path == "weights") {
     pose.weights.assign(values.begin(),
                         values.begin() + static_cast<std::ptrdiff_t>(std::min(values.size(), kMaxWeights)));
     return;
   }
   pose.matrix.clear();
-  if (is_rotation) pose.rotation = values;
+  if (is_rotation()) pose.rotation = values;
   if (path == "translation") pose.translation = {values[0], values[1], values[2]};
   if (path == "scale") pose.scale = {values[0], values[1], values[2]};
 }
 
-}  // namespace
-
-void apply_animation(const Document& document, Accessors& accessors, const Value& animation, float seconds,
-                     std::vector<NodePose>& poses) {
+NodeAnimation::NodeAnimation(const Document& document, Accessors& accessors, const Value& animation) {
   const Value channels = animation["channels"];
   for (std::size_t i = 0; i < channels.size(); ++i) {
     const Value channel = channels.at(i), target = channel["target"], node = target["node"];
     const std::string path = target.text("path");
     if (!node.exists() || !channel["sampler"].exists()) {
       document.warn(target, "animation target", "an animation of something else than nodes is ignored");
-    } else if (path != "weights" && path != "translation" && path != "rotation" && path != "scale") {
-      document.warn(target, "animation path", fmt::format("the animation of {} is ignored", in_quotes(path)));
-    } else {
-      document.element("nodes", node);
-      apply_channel(document, accessors, sampler_of(animation, channel["sampler"]), path, seconds,
-                    poses[static_cast<std::size_t>(node.whole())]);
+      continue;
     }
+    if (path != "weights" && path != "translation" && path != "rotation" && path != "scale") {
+      document.warn(target, "animation path", fmt::format("the animation of {} is ignored", in_quotes(path)));
+      continue;
+    }
+    document.element("nodes", node);
+    const Value sampler_value = sampler_of(animation, channel["sampler"]);
+    const bool is_weights = path == "weights";
+    KeyframeSampler sampler(sampler_value, accessors, is_weights ? 1 : path == "rotation" ? 4 : 3);
+    if (is_weights) sampler.split_weights();
+    if (sampler.empty())
+      document.warn(sampler_value, "animation without keyframes", "has no keyframes; it is ignored");
+    else
+      channels_.push_back({static_cast<std::size_t>(node.whole()), path, std::move(sampler)});
   }
+}
+
+NodeAnimation::~NodeAnimation() = default;
+NodeAnimation::NodeAnimation(NodeAnimation&&) noexcept = default;
+
+void NodeAnimation::apply(float seconds, std::vector<NodePose>& poses) const {
+  for (const Channel& channel : channels_) channel.apply(seconds, poses[channel.node]);
 }
 
 float length_of(const Document& document, const Value& animation) {

@@ -19,10 +19,22 @@ struct NodePose {
   std::vector<float> weights{};             // of morph targets
 };
 
-// Replaces parameters of nodes by those that the animation gives them at a time. Before its first keyframe
-// and after its last one, a parameter is constant.
-void apply_animation(const Document& document, Accessors& accessors, const Value& animation, float seconds,
-                     std::vector<NodePose>& poses);
+// What an animation does to nodes, read once for any number of times.
+class NodeAnimation {
+ public:
+  NodeAnimation(const Document& document, Accessors& accessors, const Value& animation);
+  ~NodeAnimation();
+  NodeAnimation(NodeAnimation&&) noexcept;
+
+  // Replaces parameters of nodes by those at a time. Before its first keyframe and after its last one, a
+  // parameter is constant.
+  void apply(float seconds, std::vector<NodePose>& poses) const;
+
+ private:
+  struct Channel;
+
+  std::vector<Channel> channels_;
+};
 
 // The time of the last keyframe of all parameters, as the file says: "max" of their times.
 float length_of(const Document& document, const Value& animation);

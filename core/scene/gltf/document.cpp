@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "core/scene/gltf/binary_container.hpp"
+#include "core/scene/gltf/unknown_keys.hpp"
+#include "core/scene/import/selection.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core::gltf {
@@ -66,6 +68,11 @@ Document::Document(std::string bytes, SceneBuilder& builder) : builder_(builder)
     warn(root(), "repeated keys", "has keys twice in an object; the first of each is used");
   check_version();
   check_extensions();
+  tell_unknown_keys(*this, json_);
+}
+
+bool Document::knows_extension(std::string_view name) {
+  return is_known_extension(name) || name == kGltfSelection;
 }
 
 std::string_view Document::split() {

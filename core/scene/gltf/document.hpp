@@ -26,6 +26,8 @@ class Document {
   // The BIN chunk of a .glb file.
   std::optional<std::string_view> binary_chunk() const { return binary_; }
 
+  // Whether the extension is read.
+  static bool knows_extension(std::string_view name);
   // Tells once, with a count, what is approximated or ignored at a place.
   void warn(const Value& place, std::string_view kind, std::string_view text) const;
   SceneBuilder& builder() const { return builder_; }

@@ -85,23 +85,21 @@ Materials::Use Materials::use(const Value& index) {
   return converted_.emplace(material.path(), convert(material)).first->second;
 }
 
-std::uint32_t Materials::uv_set_of(const Value& material) const {
+void Materials::find_uv_sets(const Value& material, Use& use) {
   const auto infos = texture_infos(material);
-  if (infos.empty()) return 0;
-  const std::uint32_t set = Textures::uv_set(infos.front());
+  if (infos.empty()) return;
+  use.uv_set = Textures::uv_set(infos.front());
   for (const Value& info : infos)
-    if (Textures::uv_set(info) != set)
-      document_.warn(
-          info, "second uv",
-          fmt::format("a material has one set of texture coordinates; TEXCOORD_{} is used for this "
-                      "texture, too",
-                      set));
-  return set;
+    if (Textures::uv_set(info) != use.uv_set) use.other_uvs.push_back(info);
 }
 
 Materials::Use Materials::convert(const Value& material) {
   Use use;
-  use.uv_set = uv_set_of(material);
+  find_uv_sets(material, use);
+  const std::string mode = material.text("alphaMode");
+  if (!mode.empty() && mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
+    document_.warn(material["alphaMode"], "alpha mode",
+                   fmt::format("there is no alpha mode {}; the material is opaque", in_quotes(mode)));
   const Value transmission = material.extension("KHR_materials_diffuse_transmission");
   if (is_unlit(material)) {
     use.material = add(material, unlit(material));
@@ -170,7 +168,8 @@ void Materials::add_emission(const Value& material, Material& surface) {
       material.extension("KHR_materials_emissive_strength").number_or("emissiveStrength", 1);
   const Rgb radiance = factor * strength;
   if (!(std::min({radiance.r, radiance.g, radiance.b}) >= 0) || !is_finite(radiance))
-    material.refuse("its emission must be finite and not negative");
+    return document_.warn(material, "emission",
+                          "its emission must be finite and not negative; it does not emit");
   if (is_black(radiance)) return;
   surface.emission = {radiance, textures_.color(material["emissiveTexture"])};
   surface.two_sided_emission = material.is_true("doubleSided");
@@ -188,7 +187,7 @@ ScalarParameter Materials::opacity(const Value& material) {
   if (mode == AlphaMode::kOpaque) return 1;
   const auto [place, factor_key, texture_key] = base_keys(material);
   const auto factor = place.numbers(factor_key, 4);
-  const float alpha = factor.empty() ? 1 : std::clamp(factor[3], 0.0f, 1.0f);
+  const float alpha = factor.empty() ? 1 : within(place, factor_key, factor[3], 0, 1);
   const Value info = place[texture_key];
   if (mode == AlphaMode::kBlend) return {alpha, textures_.data(info, TextureChannel::kAlpha)};
   const float cutoff = material.number_or("alphaCutoff", 0.5f);
@@ -202,7 +201,7 @@ Principled Materials::principled(const Value& material) {
   model.base_color = base_color(material);
   const Value ior = material.extension("KHR_materials_ior");
   if (const float index = ior.number_or("ior", 1.5f); index > 0) {
-    model.specular_ior = std::clamp(index, 1.0f, kMaxIor);
+    model.specular_ior = within(ior, "ior", index, 1, kMaxIor);
   } else {
     model.specular_ior = kMaxIor;
     document_.warn(ior, "infinite index", fmt::format("an infinite index of refraction becomes {}", kMaxIor));
@@ -236,7 +235,7 @@ void Materials::add_specular_glossiness(const Value& extension, Principled& mode
   const float strongest = max_component(specular);
   model.specular_ior = ior_of_reflectance(strongest);
   model.specular_color = {strongest > 0 ? specular / strongest : Rgb{}, textures_.color(info)};
-  const float gloss = std::clamp(extension.number_or("glossinessFactor", 1), 0.0f, 1.0f);
+  const float gloss = within(extension, "glossinessFactor", extension.number_or("glossinessFactor", 1), 0, 1);
   const int roughness = textures_.converted(info, TextureChannel::kAlpha, fmt::format("gloss {}", gloss),
                                             [&](float value) { return 1 - gloss * value; });
   model.specular_roughness = roughness < 0 ? ScalarParameter(1 - gloss) : ScalarParameter(1, roughness);
@@ -276,7 +275,8 @@ void Materials::add_transmission(const Value& material, Principled& model) {
 }
 
 void Materials::add_anisotropy(const Value& extension, Principled& model) {
-  const float strength = std::clamp(extension.number_or("anisotropyStrength", 0), 0.0f, 1.0f);
+  const float strength =
+      within(extension, "anisotropyStrength", extension.number_or("anisotropyStrength", 0), 0, 1);
   if (!(strength > 0)) return;
   const float alpha = std::max(model.specular_roughness.value * model.specular_roughness.value, 1e-3f);
   const Value info = extension["anisotropyTexture"];
@@ -335,10 +335,15 @@ void Materials::add_iridescence(const Value& extension, Principled& model) {
   if (!(extension.number_or("iridescenceFactor", 0) > 0)) return;
   model.thin_film_weight = share(extension, "iridescenceFactor", 0,
                                  textures_.data(extension["iridescenceTexture"], TextureChannel::kRed));
-  model.thin_film_ior = std::clamp(extension.number_or("iridescenceIor", 1.3f), 1.0f, kMaxIor);
+  model.thin_film_ior =
+      within(extension, "iridescenceIor", extension.number_or("iridescenceIor", 1.3f), 1, kMaxIor);
   constexpr float kMicrometres = 1e-3f;  // per nanometre
-  const float least = std::max(extension.number_or("iridescenceThicknessMinimum", 100), 0.0f);
-  const float most = std::max(extension.number_or("iridescenceThicknessMaximum", 400), 0.0f);
+  constexpr float kThickestNm = 1e6f;
+  const auto thickness = [&](std::string_view key, float otherwise) {
+    return within(extension, key, extension.number_or(key, otherwise), 0, kThickestNm);
+  };
+  const float least = thickness("iridescenceThicknessMinimum", 100);
+  const float most = thickness("iridescenceThicknessMaximum", 400);
   const float thickest = std::max(least, most);
   const int texture = textures_.converted(
       extension["iridescenceThicknessTexture"], TextureChannel::kGreen,
@@ -350,10 +355,16 @@ void Materials::add_iridescence(const Value& extension, Principled& model) {
 
 ScalarParameter Materials::share(const Value& place, std::string_view key, float otherwise,
                                  int texture) const {
-  const float value = place.number_or(key, otherwise), kept = std::clamp(value, 0.0f, 1.0f);
+  return {within(place, key, place.number_or(key, otherwise), 0, 1), texture};
+}
+
+float Materials::within(const Value& place, std::string_view key, float value, float least,
+                        float most) const {
+  const float kept = std::clamp(value, least, most);
   if (kept != value)
-    document_.warn(place[key], "range", fmt::format("must be between 0 and 1; it becomes {}", kept));
-  return {kept, texture};
+    document_.warn(place[key], "range",
+                   fmt::format("must be between {:g} and {:g}; it becomes {:g}", least, most, kept));
+  return kept;
 }
 
 Rgb Materials::clamped(const Value& place, Rgb color) const {

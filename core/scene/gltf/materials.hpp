@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/materials/material.hpp"
 #include "core/scene/gltf/document.hpp"
@@ -24,15 +25,16 @@ class Materials {
   Materials(const Document& document, Textures& textures) : document_(document), textures_(textures) {}
 
   struct Use {
-    std::uint32_t material = 0;  // of the scene
-    std::uint32_t uv_set = 0;    // the texture coordinates of its textures
+    std::uint32_t material = 0;      // of the scene
+    std::uint32_t uv_set = 0;        // the texture coordinates of its textures
+    std::vector<Value> other_uvs{};  // textureInfos with another set
   };
   // The material of an index in the file, or the default one if it is absent; each is converted once.
   Use use(const Value& index);
 
  private:
   Use convert(const Value& material);
-  std::uint32_t uv_set_of(const Value& material) const;
+  static void find_uv_sets(const Value& material, Use& use);
   Material surface(const Value& material);
   Principled principled(const Value& material);
   std::uint32_t with_diffuse_transmission(const Value& material, const Value& extension);
@@ -52,6 +54,8 @@ class Materials {
 
   // A number or colour from 0 to 1, clamped with a warning, times a texture.
   ScalarParameter share(const Value& place, std::string_view key, float otherwise, int texture = -1) const;
+  // `value`, which the key gives, within limits; told if it was outside.
+  float within(const Value& place, std::string_view key, float value, float least, float most) const;
   Rgb clamped(const Value& place, Rgb color) const;
   ColorParameter tint(const Value& place, std::string_view key, Rgb otherwise, int texture = -1) const;
 

@@ -87,7 +87,7 @@ void add(Transform& sum, const Transform& map) {
 }
 
 // Linear blend skinning (glTF 2.0 specification, section 3.7.3). A vertex without weights stays.
-void apply_skin(MeshDescription& mesh, const std::vector<Influences>& influences, const JointMaps& maps,
+void apply_skin(MeshStep& mesh, const std::vector<Influences>& influences, const JointMaps& maps,
                 const std::vector<std::uint32_t>& used, const Value& primitive) {
   for (std::size_t k = 0; k < used.size(); ++k) {
     Transform sum{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
@@ -113,7 +113,7 @@ void apply_skin(MeshDescription& mesh, const std::vector<Influences>& influences
 }  // namespace
 
 JointMaps read_skin(const Value& skin, const Document& document, Accessors& accessors,
-                    const std::vector<Node>& nodes) {
+                    const std::vector<Node>& nodes, std::size_t moment) {
   const Value joints = skin["joints"], inverse_bind = skin["inverseBindMatrices"];
   Accessor to_joint;
   if (inverse_bind.exists()) {
@@ -123,7 +123,7 @@ JointMaps read_skin(const Value& skin, const Document& document, Accessors& acce
   JointMaps maps;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     document.element("nodes", joints.at(i));
-    const Transform& to_world = nodes[static_cast<std::size_t>(joints.at(i).whole())].to_world;
+    const Transform& to_world = nodes[static_cast<std::size_t>(joints.at(i).whole())].to_world[moment];
     maps.push_back(inverse_bind.exists() ? compose(to_world, to_joint.matrix(i)) : to_world);
   }
   return maps;
@@ -205,7 +205,7 @@ MeshReader::Triangles MeshReader::stored_triangles(const Source& source) const {
 }
 
 std::optional<Part> MeshReader::read(const Value& primitive, std::uint32_t uv_set,
-                                     const std::vector<float>& weights, const JointMaps* joints) {
+                                     const std::vector<MeshPose>& poses) {
   if (!has_area(primitive)) return std::nullopt;
   Source source = open(primitive);
   const auto positions = attribute(source, "POSITION", 3);
@@ -219,9 +219,27 @@ std::optional<Part> MeshReader::read(const Value& primitive, std::uint32_t uv_se
   source.used = renumber(part.mesh.triangles, source.vertices);
   part.mesh.positions = vectors_of(*positions, source.used);
   read_attributes(part, source, uv_set);
-  apply_morph_targets(part.mesh, source, weights);
-  if (joints != nullptr) apply_skin(part.mesh, influences_of(source), *joints, source.used, primitive);
+  shape(part.mesh, source, poses);
   return part;
+}
+
+void MeshReader::shape(MeshDescription& mesh, const Source& source,
+                       const std::vector<MeshPose>& poses) const {
+  const bool is_skinned = poses.front().joints.has_value();
+  const std::vector<Influences> influences = is_skinned ? influences_of(source) : std::vector<Influences>();
+  std::vector<MeshStep> steps;
+  for (const MeshPose& pose : poses) {
+    MeshStep step{pose.moment, mesh.positions, mesh.normals};
+    apply_morph_targets(step, source, pose.weights);
+    if (is_skinned) apply_skin(step, influences, *pose.joints, source.used, source.primitive);
+    steps.push_back(std::move(step));
+  }
+  mesh.positions = steps.front().positions;
+  mesh.normals = steps.front().normals;
+  const bool deforms = std::ranges::any_of(steps, [&](const MeshStep& step) {
+    return step.positions != mesh.positions || step.normals != mesh.normals;
+  });
+  if (deforms) mesh.steps = std::move(steps);
 }
 
 bool MeshReader::has_area(const Value& primitive) const {
@@ -256,7 +274,7 @@ std::vector<Influences> MeshReader::influences_of(const Source& source) const {
   }
 }
 
-void MeshReader::apply_morph_targets(MeshDescription& mesh, const Source& source,
+void MeshReader::apply_morph_targets(MeshStep& step, const Source& source,
                                      const std::vector<float>& weights) const {
   const Value targets = source.primitive["targets"];
   for (std::size_t i = 0; i < std::min(targets.size(), weights.size()); ++i) {
@@ -268,8 +286,8 @@ void MeshReader::apply_morph_targets(MeshDescription& mesh, const Source& source
       if (deltas.count() < source.vertices) target[name].refuse("has too few elements");
       add_scaled(vectors, deltas, source.used, weights[i]);
     };
-    add_deltas("POSITION", mesh.positions);
-    add_deltas("NORMAL", mesh.normals);
+    add_deltas("POSITION", step.positions);
+    add_deltas("NORMAL", step.normals);
     for (const std::string& name : target.keys())
       if (name.starts_with("TEXCOORD") || name.starts_with("COLOR"))
         document_.warn(target, "morphed attribute",

@@ -22,15 +22,24 @@ namespace tessera::core::gltf {
 // One primitive of a mesh.
 struct Part {
   Value primitive;
-  // Without materials. In the space of the mesh, or of the world if a skin has placed it.
+  // Without materials. In the space of the mesh, or of the world if a skin has placed it. With steps if it is
+  // read at several moments and deforms.
   MeshDescription mesh;
   bool has_transparent_colors = false;  // vertex colours have alpha below 1
 };
 
 // Where a skin's joints move vertices: one map for each joint, from the mesh at rest to the world.
 using JointMaps = std::vector<Transform>;
+// At one of the moments of the nodes.
 JointMaps read_skin(const Value& skin, const Document& document, Accessors& accessors,
-                    const std::vector<Node>& nodes);
+                    const std::vector<Node>& nodes, std::size_t moment);
+
+// How a mesh is shaped at a moment.
+struct MeshPose {
+  float moment = 0;                   // its frame
+  std::vector<float> weights{};       // of morph targets, may be empty
+  std::optional<JointMaps> joints{};  // nullopt without a skin
+};
 
 // The joints and weights of vertices: JOINTS_n and WEIGHTS_n.
 struct Influences {
@@ -42,10 +51,8 @@ class MeshReader {
   MeshReader(const Document& document, Buffers& buffers, Accessors& accessors)
       : document_(document), buffers_(buffers), accessors_(accessors) {}
 
-  // A primitive's triangles; nullopt if it has none, with a warning. `weights` are those of morph targets,
-  // and may be empty; `joints` is null without a skin.
-  std::optional<Part> read(const Value& primitive, std::uint32_t uv_set, const std::vector<float>& weights,
-                           const JointMaps* joints);
+  // A primitive's triangles; nullopt if it has none, with a warning. There is at least one pose.
+  std::optional<Part> read(const Value& primitive, std::uint32_t uv_set, const std::vector<MeshPose>& poses);
 
  private:
   using Triangles = std::vector<std::array<std::uint32_t, 3>>;
@@ -68,8 +75,9 @@ class MeshReader {
   void check_triangles(const Value& primitive, std::uint64_t count) const;
   void read_attributes(Part& part, const Source& source, std::uint32_t uv_set) const;
   std::vector<Influences> influences_of(const Source& source) const;
-  void apply_morph_targets(MeshDescription& mesh, const Source& source,
-                           const std::vector<float>& weights) const;
+  // Positions and normals at the first pose and, if they differ, at all as steps.
+  void shape(MeshDescription& mesh, const Source& source, const std::vector<MeshPose>& poses) const;
+  void apply_morph_targets(MeshStep& step, const Source& source, const std::vector<float>& weights) const;
 
   const Document& document_;
   Buffers& buffers_;

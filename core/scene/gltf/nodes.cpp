@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/math/quaternion.hpp"
@@ -71,19 +72,24 @@ std::vector<std::uint32_t> roots_of(const std::vector<Node>& nodes) {
   return roots;
 }
 
-// Every node has at most one parent by now, so that those that no root reaches form cycles.
+// At one more moment. Every node has at most one parent by now, so that those that no root reaches form
+// cycles.
 void place(std::vector<Node>& nodes, const std::vector<NodePose>& poses) {
   std::vector<bool> reached(nodes.size());
   const auto roots = roots_of(nodes);
-  for (const std::uint32_t root : roots) nodes[root].to_world = local_transform(poses[root]);
+  for (const std::uint32_t root : roots) nodes[root].to_world.push_back(local_transform(poses[root]));
   walk(nodes, roots, [&](std::uint32_t at) {
     reached[at] = true;
     for (const std::uint32_t child : nodes[at].children)
-      nodes[child].to_world = compose(nodes[at].to_world, local_transform(poses[child]));
+      nodes[child].to_world.push_back(compose(nodes[at].to_world.back(), local_transform(poses[child])));
     return true;
   });
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (!reached[i]) nodes[i].value.refuse("is its own ancestor; nodes must form trees");
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    auto& weights = nodes[i].weights.emplace_back();
+    if (nodes[i].value["mesh"].exists()) weights = poses[i].weights;
+  }
 }
 
 bool is_visible(const Value& node) {
@@ -91,14 +97,15 @@ bool is_visible(const Value& node) {
   return !extension["visible"].exists() || extension.is_true("visible");
 }
 
-void animate(const Document& document, Accessors& accessors, const Selection& selection,
-             std::vector<NodePose>& poses) {
+// The chosen animation; nullopt if there is none.
+std::optional<NodeAnimation> read_animation(const Document& document, Accessors& accessors,
+                                            const Selection& selection) {
   const Value animations = document.root()["animations"];
   for (std::size_t i = 0; i < animations.size(); ++i)
     document.builder().scene().contents.animations.push_back(
         {printable(animations.at(i).text("name")), length_of(document, animations.at(i))});
-  if (!selection.animation) return;
-  apply_animation(document, accessors, *selection.animation, selection.seconds.value_or(0), poses);
+  if (!selection.animation) return std::nullopt;
+  NodeAnimation animation(document, accessors, *selection.animation);
   if (!selection.seconds)
     document.warn(
         animations, "animation",
@@ -106,6 +113,7 @@ void animate(const Document& document, Accessors& accessors, const Selection& se
                     "can be chosen (--animation-time)",
                     selection.animation->path() == animations.at(0).path() ? "the first" : "one",
                     animations.size()));
+  return animation;
 }
 
 Value default_scene(const Document& document) {
@@ -133,15 +141,18 @@ Transform placed(Vec3 translation, const std::vector<float>& rotation, Vec3 scal
 std::vector<Node> read_nodes(const Document& document, Accessors& accessors, const Selection& selection) {
   const Value list = document.root()["nodes"];
   std::vector<Node> nodes(list.size());
-  std::vector<NodePose> poses;
+  std::vector<NodePose> at_rest;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     nodes[i].value = list.at(i);
-    poses.push_back(read_pose(nodes[i].value));
+    at_rest.push_back(read_pose(nodes[i].value));
   }
   connect(document, nodes);
-  animate(document, accessors, selection, poses);
-  place(nodes, poses);
-  for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i].weights = std::move(poses[i].weights);
+  const auto animation = read_animation(document, accessors, selection);
+  for (const float moment : selection.moments()) {
+    std::vector<NodePose> poses = at_rest;
+    if (animation) animation->apply(selection.seconds.value_or(0) + moment, poses);
+    place(nodes, poses);
+  }
   return nodes;
 }
 

@@ -3,7 +3,9 @@
 // Functions throw Refusals: of nodes that form cycles or have two parents.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/math/transform.hpp"
@@ -17,8 +19,18 @@ struct Node {
   Value value;
   std::vector<std::uint32_t> children;
   bool has_parent = false;
-  Transform to_world;
-  std::vector<float> weights;  // of morph targets, where this node has its own
+  // One for each of Selection::moments(), the first of which is the time that is shown without shutter.
+  std::vector<Transform> to_world;
+  std::vector<std::vector<float>> weights;  // of morph targets, empty where this node has none of its own
+
+  bool moves() const { return !are_equal(to_world); }
+  bool changes_weights() const { return !are_equal(weights); }
+
+ private:
+  template <typename T>
+  static bool are_equal(const std::vector<T>& all) {
+    return std::ranges::adjacent_find(all, std::ranges::not_equal_to()) == all.end();
+  }
 };
 
 // All nodes of the file; index i is nodes[i].

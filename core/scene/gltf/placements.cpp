@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/math/elementary.hpp"
 #include "core/scene/loader/wording.hpp"
@@ -40,11 +41,18 @@ void read_orthographic(const Value& projection, PlacedCamera& camera) {
   camera.aspect_ratio = half_width / half_height;
 }
 
-LightDescription read_spot(const Value& light, Vec3 position, Vec3 direction, Rgb intensity) {
+LightDescription read_spot(const Value& light, Vec3 position, Vec3 direction, Rgb intensity,
+                           const Document& document) {
   const Value spot = light["spot"];
-  const float outer = spot.number_or("outerConeAngle", kPi / 4), inner = spot.number_or("innerConeAngle", 0);
-  if (!(outer > 0 && outer <= kPi / 2 * 1.0001f) || !(inner >= 0))
-    light.refuse("its cone angles must lie between 0 and pi/2");
+  constexpr float kNarrowest = 1e-4f, kWidest = kPi / 2;
+  const auto limited = [&](std::string_view key, float otherwise, float least) {
+    const float angle = spot.number_or(key, otherwise), kept = std::clamp(angle, least, kWidest);
+    if (std::fabs(kept - angle) > 1e-4f)
+      document.warn(spot[key], "cone angle",
+                    fmt::format("must lie between 0 and pi/2, got {:g}; it becomes {:g}", angle, kept));
+    return kept;
+  };
+  const float outer = limited("outerConeAngle", kPi / 4, kNarrowest), inner = limited("innerConeAngle", 0, 0);
   SpotLightDescription description;
   description.position = position;
   description.look_at = position + direction * std::max(1.0f, length(position));
@@ -73,20 +81,23 @@ PlacedCamera read_camera(const Value& camera, const Transform& to_world) {
   return result;
 }
 
-LightDescription read_light(const Value& light, const Transform& to_world, const Document& document) {
+std::optional<LightDescription> read_light(const Value& light, const Transform& to_world,
+                                           const Document& document) {
   const Vec3 position = to_world.origin, direction = direction_of(to_world, {0, 0, -1});
   const Rgb intensity = light.color_or("color", Rgb::gray(1)) * light.number_or("intensity", 1);
-  if (!(std::min({intensity.r, intensity.g, intensity.b}) >= 0) || !is_finite(intensity))
-    light.refuse("its intensity must be finite and not negative");
   if (light["range"].exists())
     document.warn(light, "light range",
                   "the range of lights is ignored: they fall off with the square of distance");
   const std::string type = light.text("type");
   if (type == "directional") return DirectionalLightDescription{direction, intensity};
   if (type == "point") return PointLightDescription{position, intensity};
-  if (type != "spot") light.refuse(fmt::format("there is no light type {}", in_quotes(type)));
+  if (type != "spot") {
+    document.warn(light, "light type",
+                  fmt::format("there is no light type {}; the light is left out", in_quotes(type)));
+    return std::nullopt;
+  }
   document.warn(light, "spot falloff", "the falloff of spot lights at their edge is approximated");
-  return read_spot(light, position, direction, intensity);
+  return read_spot(light, position, direction, intensity, document);
 }
 
 }  // namespace tessera::core::gltf

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "core/camera/camera_description.hpp"
 #include "core/scene/import/selection.hpp"
 #include "core/scene/loader/wording.hpp"
 
@@ -29,8 +30,8 @@ std::optional<Value> chosen_of(const Value& list, std::string_view what, const V
   return list.at(selected(what, wanted, names_in(list)));
 }
 
-std::optional<float> seconds_of(const Value& extension, bool is_animated) {
-  const Value time = extension[kSelectTime];
+std::optional<float> seconds_of(const Value& extension, std::string_view what, bool is_animated) {
+  const Value time = extension[what];
   if (!time.exists()) return std::nullopt;
   if (!is_animated)
     throw Refusal{
@@ -48,12 +49,23 @@ Selection::Selection(const Document& document) {
   scene = chosen_of(root["scenes"], kSelectScene, extension);
   animation = chosen_of(animations, kSelectAnimation, extension);
   if (!animation && animations.size() > 0) animation = animations.at(0);
-  seconds = seconds_of(extension, animation.has_value());
+  seconds = seconds_of(extension, kSelectTime, animation.has_value());
+  shutter_seconds = seconds_of(extension, kSelectShutter, animation.has_value()).value_or(0);
+  if (!(shutter_seconds >= 0 && shutter_seconds <= kMaxShutterFrames))
+    extension[kSelectShutter].refuse(fmt::format("must be from 0 to {:g} seconds", kMaxShutterFrames));
   if (const std::string wanted = extension.text(kSelectVariant); !wanted.empty())
     variant = selected(kSelectVariant, wanted, names_in(variants));
   SceneContents& contents = document.builder().scene().contents;
   contents.scenes = names_in(root["scenes"]);
   contents.variants = names_in(variants);
+}
+
+std::vector<float> Selection::moments() const {
+  constexpr int kParts = 8;
+  std::vector<float> moments{0};
+  for (int i = 1; i <= kParts && shutter_seconds > 0; ++i)
+    moments.push_back(shutter_seconds * static_cast<float>(i) / kParts);
+  return moments;
 }
 
 std::size_t selected_camera(const Selection& selection, const std::vector<std::string>& names) {

@@ -19,6 +19,11 @@ struct Selection {
   std::optional<std::size_t> variant;
   std::optional<Value> animation;  // nullopt: there is none
   std::optional<float> seconds;    // nullopt: none was chosen, which means the beginning
+  float shutter_seconds = 0;       // how long the shutter is open from then on
+
+  // The moments at which nodes are looked at, in seconds after the chosen time: 0, and some until the shutter
+  // closes, between which they move evenly. They are frames of the scene.
+  std::vector<float> moments() const;
 };
 
 // Which of the cameras is chosen.

@@ -14,11 +14,14 @@
 namespace tessera::core::gltf {
 namespace {
 
-Wrap wrap_of(const Value& sampler, std::string_view key) {
+Wrap wrap_of(const Value& sampler, std::string_view key, const Document& document) {
   constexpr std::uint64_t kClampToEdge = 33071, kMirroredRepeat = 33648, kRepeat = 10497;
   const std::uint64_t wrap = sampler.whole_or(key, kRepeat);
   if (wrap == kClampToEdge) return Wrap::kClamp;
-  return wrap == kMirroredRepeat ? Wrap::kMirror : Wrap::kRepeat;
+  if (wrap == kMirroredRepeat) return Wrap::kMirror;
+  if (wrap != kRepeat)
+    document.warn(sampler[key], "wrap", fmt::format("{} is no way to wrap; the texture repeats", wrap));
+  return Wrap::kRepeat;
 }
 
 // KHR_texture_transform scales, then rotates counter-clockwise as seen with v downwards, then moves. Here v
@@ -104,8 +107,9 @@ Texture Textures::with_sampler(const Value& info, SceneBuilder::Image image) con
   const Value sampler_index = document_.element("textures", info["index"])["sampler"];
   if (sampler_index.exists()) {
     const Value sampler = document_.element("samplers", sampler_index);
-    texture.wrap = wrap_of(sampler, "wrapS");
-    if (const Wrap wrap_v = wrap_of(sampler, "wrapT"); wrap_v != texture.wrap) texture.wrap_v = wrap_v;
+    texture.wrap = wrap_of(sampler, "wrapS", document_);
+    if (const Wrap wrap_v = wrap_of(sampler, "wrapT", document_); wrap_v != texture.wrap)
+      texture.wrap_v = wrap_v;
     constexpr std::uint64_t kNearest = 9728;
     if (sampler.whole_or("magFilter", 0) == kNearest)
       document_.warn(sampler, "nearest", "unfiltered texels are not supported; they are interpolated");

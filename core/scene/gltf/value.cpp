@@ -28,6 +28,7 @@ Value Value::operator[](std::string_view key) const {
   if (members == nullptr) return {nullptr, member_path(path_, key)};
   const auto found = std::find_if(members->begin(), members->end(),
                                   [&](const JsonValue::Member& member) { return member.key == key; });
+  if (found != members->end()) found->value.is_used = true;
   const bool is_absent = found == members->end() || found->value.get_if<JsonValue::Null>() != nullptr;
   return {is_absent ? nullptr : &found->value, member_path(path_, key)};
 }
@@ -38,7 +39,34 @@ std::size_t Value::size() const {
 }
 
 Value Value::at(std::size_t i) const {
-  return {&(*json_->get_if<JsonValue::Array>())[i], fmt::format("{}[{}]", path_, i)};
+  const JsonValue& element = (*json_->get_if<JsonValue::Array>())[i];
+  element.is_used = true;
+  return {&element, fmt::format("{}[{}]", path_, i)};
+}
+
+Value Value::at_path(std::string_view path) const {
+  if (path_ == path) return *this;
+  const auto leads_on = [&](std::string_view step) {
+    return path.starts_with(step) &&
+           (path.size() == step.size() || path[step.size()] == '.' || path[step.size()] == '[');
+  };
+  const auto* members = json_ == nullptr ? nullptr : json_->get_if<JsonValue::Object>();
+  for (std::size_t i = 0; members != nullptr && i < members->size(); ++i)
+    if (std::string step = member_path(path_, (*members)[i].key); leads_on(step))
+      return Value(&(*members)[i].value, std::move(step)).at_path(path);
+  const auto* list = json_ == nullptr ? nullptr : json_->get_if<JsonValue::Array>();
+  for (std::size_t i = 0; list != nullptr && i < list->size(); ++i)
+    if (std::string step = fmt::format("{}[{}]", path_, i); leads_on(step))
+      return Value(&(*list)[i], std::move(step)).at_path(path);
+  return {nullptr, std::string(path)};
+}
+
+std::vector<std::string_view> Value::used_keys() const {
+  std::vector<std::string_view> keys;
+  const auto* members = json_ == nullptr ? nullptr : json_->get_if<JsonValue::Object>();
+  for (std::size_t i = 0; members != nullptr && i < members->size(); ++i)
+    if ((*members)[i].value.is_used) keys.push_back((*members)[i].key);
+  return keys;
 }
 
 std::vector<std::string> Value::keys() const {

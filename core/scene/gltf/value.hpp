@@ -39,6 +39,12 @@ class Value {
 
   // The member of an object; absent in anything else.
   Value operator[](std::string_view key) const;
+  // Whether an access to it, by a key or an index, came before.
+  bool is_used() const { return json_ != nullptr && json_->is_used; }
+  // The value at a path like path(), without using it; absent if there is none.
+  Value at_path(std::string_view path) const;
+  // The keys of its members that were used.
+  std::vector<std::string_view> used_keys() const;
   // The length of a list; 0 of anything else.
   std::size_t size() const;
   Value at(std::size_t i) const;  // i < size()

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/scene/loader/parameter_override.hpp"
+#include "core/scene/scene.hpp"
 #include "tests/unit/core_gltf/gltf_file.hpp"
 
 namespace tessera::core::test {
@@ -187,6 +188,136 @@ TEST(GltfAnimation, IsListedAndChosen) {
   still.node({{"mesh", still.triangle()}});
   EXPECT_EQ(mistake_in_choice(still, {select_time(1)}),
             "model.gltf: has no animation of which a time could be chosen");
+}
+
+Overrides open_for(double seconds, double shutter) {
+  return {select_time(seconds), select_shutter(shutter)};
+}
+
+// A quarter of a turn about +z in a second.
+GltfFile turning() {
+  const float half = std::sqrt(0.5f);
+  return animated("rotation", "LINEAR", "VEC4", {0, 1}, {0, 0, 0, 1, 0, 0, half, half});
+}
+
+TEST(GltfShutter, LetsInstancesMoveWithTheirNodes) {
+  const auto scene = load_chosen(turning().text(), open_for(0.25, 0.5));
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_THAT(scene->warnings, IsEmpty());
+  EXPECT_EQ(scene->camera.shutter_close, 0.5f) << "also of the camera that the file lacks";
+  ASSERT_EQ(scene->animation.instances.size(), 1u);
+  const InstanceMotion& motion = scene->animation.instances[0];
+  const auto& instance = std::get<InstanceDescription>(scene->shapes[motion.shape]);
+  EXPECT_EQ(instance.to_world, transform_at(motion.steps, 0));
+  for (const float frame : {0.0f, 0.1f, 0.3f, 0.5f}) {
+    const Vec3 corner = transform_at(motion.steps, frame).point({1, 0, 0});
+    EXPECT_NEAR(corner.x, std::cos((0.25f + frame) * 1.57079633f), 1e-5f) << frame;
+    EXPECT_NEAR(corner.y, std::sin((0.25f + frame) * 1.57079633f), 1e-5f) << frame;
+  }
+  EXPECT_TRUE(Scene::build(*scene, 1).value().has_motion());
+}
+
+TEST(GltfShutter, LetsMorphTargetsDeform) {
+  GltfFile file = animated("weights", "LINEAR", "SCALAR", {0, 1}, {0, 1});
+  const int up = file.floats("VEC3", {0, 0, 0, 0, 0, 8, 0, 0, 0});
+  file.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", up}}};
+  file.json["nodes"][0]["translation"] = {0, 0, 1};
+  const auto scene = load_chosen(file.text(), open_for(0.5, 0.25));
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_TRUE(scene->animation.deforms);
+  EXPECT_THAT(scene->animation.instances, IsEmpty());
+  const MeshDescription& mesh = mesh_of(*scene);
+  ASSERT_GE(mesh.steps.size(), 2u);
+  EXPECT_EQ(mesh.steps.front().frame, 0);
+  EXPECT_EQ(mesh.steps.back().frame, 0.25f);
+  EXPECT_EQ(mesh.positions[1], (Vec3{1, 0, 5}));
+  EXPECT_EQ(mesh.steps.front().positions[1], (Vec3{1, 0, 5}));
+  EXPECT_EQ(mesh.steps.back().positions[1], (Vec3{1, 0, 7}));
+  EXPECT_TRUE(Scene::build(*scene, 1).value().has_motion());
+}
+
+TEST(GltfShutter, LetsSkinsDeform) {
+  GltfFile file = animated("translation", "LINEAR", "VEC3", {0, 1}, {0, 0, 0, 0, 6, 0});
+  file.json["animations"][0]["channels"][0]["target"]["node"] = 1;
+  file.node({{"name", "joint"}});
+  file.json["skins"] = {{{"joints", {1}}}};
+  file.json["nodes"][0]["skin"] = 0;
+  auto& attributes = file.json["meshes"][0]["primitives"][0]["attributes"];
+  attributes["JOINTS_0"] = file.accessor(file.view(std::string(12, '\0')), 5121, "VEC4", 3);
+  attributes["WEIGHTS_0"] = file.floats("VEC4", {1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0});
+  const auto scene = load_chosen(file.text(), open_for(0, 1));
+  ASSERT_TRUE(scene) << scene.error().message;
+  const MeshDescription& mesh = mesh_of(*scene);
+  ASSERT_GE(mesh.steps.size(), 2u);
+  EXPECT_EQ(mesh.steps.back().positions[0], (Vec3{0, 6, 0}));
+  EXPECT_EQ(mesh.steps.back().positions[1], (Vec3{1, 0, 0})) << "without a joint";
+}
+
+// Weights and a translation of one node: an object that deforms, and an instance that moves.
+TEST(GltfShutter, LetsMeshesDeformInNodesThatMove) {
+  GltfFile file = animated("weights", "LINEAR", "SCALAR", {0, 1}, {0, 1});
+  const int up = file.floats("VEC3", {0, 0, 0, 0, 0, 8, 0, 0, 0});
+  file.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", up}}};
+  auto& animation = file.json["animations"][0];
+  animation["samplers"].push_back(
+      {{"input", animation["samplers"][0]["input"]}, {"output", file.floats("VEC3", {0, 0, 0, 4, 0, 0})}});
+  animation["channels"].push_back({{"sampler", 1}, {"target", {{"node", 0}, {"path", "translation"}}}});
+  const auto scene = load_chosen(file.text(), open_for(0, 1));
+  ASSERT_TRUE(scene) << scene.error().message;
+  ASSERT_EQ(scene->objects.size(), 1u);
+  const auto& mesh = std::get<MeshDescription>(scene->objects[0].shapes[0]);
+  EXPECT_EQ(mesh.steps.back().positions[1], (Vec3{1, 0, 8})) << "in the space of the object";
+  ASSERT_EQ(scene->animation.instances.size(), 1u);
+  EXPECT_EQ(transform_at(scene->animation.instances[0].steps, 1).origin, (Vec3{4, 0, 0}));
+  EXPECT_TRUE(Scene::build(*scene, 1).value().has_motion());
+}
+
+TEST(GltfShutter, LetsTheCameraMove) {
+  GltfFile file = animated("translation", "LINEAR", "VEC3", {0, 1}, {0, 0, 5, 2, 0, 5});
+  file.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 1.0}, {"znear", 0.1}}}}};
+  file.node({{"camera", 0}});
+  file.json["animations"][0]["channels"][0]["target"]["node"] = 1;
+  const auto scene = load_chosen(file.text(), open_for(0, 1));
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->camera.shutter_close, 1);
+  const CameraDescription half = camera_at(scene->camera, scene->animation.camera, 0.5f);
+  EXPECT_NEAR(half.position.x, 1, 1e-5f);
+  EXPECT_NEAR(half.look_at.x, 1, 1e-5f) << "along -z";
+  EXPECT_LT(half.look_at.z, half.position.z);
+  EXPECT_GT(half.up.y, 0.99f);
+}
+
+TEST(GltfShutter, LeavesWhatStandsStillAsItIs) {
+  GltfFile file = turning();
+  file.json["animations"][0]["channels"][0]["target"]["node"] = 1;
+  file.node({{"name", "empty"}});
+  const auto scene = load_chosen(file.text(), open_for(0, 1)), without = load_chosen(file.text(), {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(mesh_of(*scene).positions, mesh_of(*without).positions);
+  EXPECT_TRUE(mesh_of(*scene).steps.empty());
+  EXPECT_FALSE(is_animated(scene->animation));
+}
+
+TEST(GltfShutter, LeavesWhatEmitsAsItIs) {
+  GltfFile file = animated("weights", "LINEAR", "SCALAR", {0, 1}, {0, 1});
+  file.json["materials"] = {{{"emissiveFactor", {1, 1, 1}}}};
+  auto& primitive = file.json["meshes"][0]["primitives"][0];
+  primitive["targets"] = {{{"POSITION", file.floats("VEC3", {0, 0, 0, 0, 0, 8, 0, 0, 0})}}};
+  primitive["material"] = 0;
+  const auto scene = load_chosen(file.text(), open_for(0.5, 0.5));
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(mesh_of(*scene).positions[1], (Vec3{1, 0, 4}));
+  EXPECT_FALSE(scene->animation.deforms);
+  EXPECT_THAT(warnings_of(*scene), HasSubstr("a mesh that emits light does not deform"));
+}
+
+TEST(GltfShutter, NeedsAnAnimationAndATime) {
+  GltfFile still;
+  still.node({{"mesh", still.triangle()}});
+  EXPECT_EQ(mistake_in_choice(still, {select_shutter(1)}),
+            "model.gltf: has no animation of which a time could be chosen");
+  EXPECT_THAT(mistake_in_choice(turning(), {select_shutter(2000)}),
+              HasSubstr("must be from 0 to 1000 seconds"));
 }
 
 // Damaged keyframes give an error or some pose, and no crash.
