@@ -121,13 +121,25 @@ Rgb Colors::color(const Parameters& owner, const Parameter& parameter, SpectrumR
     result = from_rgb(parameter, role);
   } else if (parameter.type == "blackbody" && !parameter.floats.empty() && parameter.floats.front() > 0) {
     result = blackbody_color(static_cast<double>(parameter.floats.front()));
+    if (parameter.floats.size() > 1)
+      owner.remark(parameter.name,
+                   "has several values; the first one is the temperature, the others are ignored");
   } else if (parameter.type == "spectrum") {
     result = from_spectrum(owner, parameter, role);
   } else if (!parameter.floats.empty() || !parameter.integers.empty()) {
     result = Rgb::gray(*owner.number(parameter.name));
   }
-  if (result && is_finite(*result))
-    return role == SpectrumRole::kAlbedo ? clamped(*result) : not_negative(*result);
+  if (result && is_finite(*result)) {
+    const Rgb usable = role == SpectrumRole::kAlbedo ? clamped(*result) : not_negative(*result);
+    // Rounding is not told.
+    const float tolerance = 1e-3f * std::max(1.0f, max_component(usable));
+    for (int channel = 0; channel < 3; ++channel)
+      if (std::fabs(usable[channel] - (*result)[channel]) > tolerance)
+        owner.remark(parameter.name, role == SpectrumRole::kAlbedo
+                                         ? "is outside of the colours from 0 to 1; it is clamped"
+                                         : "has negative red, green or blue, which become 0");
+    return usable;
+  }
   const float gray = role == SpectrumRole::kIlluminant ? 1 : 0.5f;
   report_.warn(owner.place_of(&parameter), "color",
                fmt::format("the colour {} is not understood; {} is used", in_quotes(parameter.name), gray));
@@ -169,6 +181,8 @@ const Colors::Samples* Colors::samples(const Parameters& owner, const Parameter&
   if (!parameter.strings.empty())
     return samples_of_file(owner.place_of(&parameter), parameter.strings.front());
   const std::vector<float>& v = parameter.floats;
+  if (v.size() % 2 != 0)
+    owner.remark(parameter.name, "has a wavelength without a value at its end, which is ignored");
   inline_.clear();
   for (std::size_t i = 0; i + 2 <= v.size(); i += 2)
     inline_.push_back({static_cast<double>(v[i]), static_cast<double>(v[i + 1])});
@@ -195,8 +209,7 @@ const Colors::Samples* Colors::samples_of_file(const Place& place, const std::st
 float Colors::index(const Parameters& owner, const Parameter& parameter) {
   constexpr float kDefault = 1.5f;
   if (parameter.type != "spectrum") {
-    const auto number = parameter.floats.empty() ? owner.number(parameter.name) : parameter.floats.front();
-    return number.value_or(kDefault);
+    return owner.number(parameter.name).value_or(kDefault);
   }
   report_.warn(
       owner.place_of(&parameter),
@@ -206,7 +219,9 @@ float Colors::index(const Parameters& owner, const Parameter& parameter) {
   if (!parameter.strings.empty())
     if (const auto metal = metal_part(parameter.strings.front())) return metal->g;
   const Samples* given = samples(owner, parameter);
-  return given == nullptr ? kDefault : static_cast<float>(photopic_mean(*given));
+  if (given != nullptr) return static_cast<float>(photopic_mean(*given));
+  owner.remark(parameter.name, fmt::format("is no spectrum that can be read; {} is used", kDefault));
+  return kDefault;
 }
 
 ComplexIndex Colors::metal(const Parameters& owner, std::string_view eta, std::string_view k) {

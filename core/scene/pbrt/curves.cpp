@@ -40,9 +40,8 @@ std::size_t segments_with(std::size_t points, std::size_t degree, bool is_spline
 }
 
 CurveShape shape_of_type(const Parameters& p, const Report& report, std::size_t normals, std::size_t ends) {
-  const std::string type = p.text("type", "flat");
+  const std::string type = p.choice("type", "flat", {"flat", "cylinder", "ribbon"});
   if (type == "cylinder") return CurveShape::kRound;
-  if (type != "flat" && type != "ribbon") report.warn(p.place(), "a curve of unknown type is flat");
   if (type == "ribbon" && normals == ends) return CurveShape::kRibbon;
   if (type == "ribbon") report.warn(p.place(), "a ribbon without a normal for each end of a segment is flat");
   return CurveShape::kFlat;
@@ -62,11 +61,9 @@ void add_segment(const Bezier& bezier, double first_radius, double last_radius, 
 std::optional<CurveStrands> read_curve(const Parameters& p, const Report& report) {
   const std::vector<Vec3> points = p.vectors("P"), normals = p.vectors("N");
   p.find("splitdepth");  // has no effect on the image
-  const int degree = p.integer("degree", 3);
-  const bool is_spline = p.text("basis", "bezier") == "bspline";
-  const std::size_t segments = degree == 2 || degree == 3
-                                   ? segments_with(points.size(), static_cast<std::size_t>(degree), is_spline)
-                                   : 0;
+  const int degree = p.integer_in("degree", 3, 2, 3);
+  const bool is_spline = p.choice("basis", "bezier", {"bezier", "bspline"}) == "bspline";
+  const std::size_t segments = segments_with(points.size(), static_cast<std::size_t>(degree), is_spline);
   const float width = p.number("width", 1);
   const auto radius = [&](const char* name) { return static_cast<double>(p.number(name, width)) / 2; };
   const double first_radius = radius("width0"), last_radius = radius("width1");

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <utility>
 
 #include "core/scene/loader/gunzip.hpp"
@@ -88,18 +89,27 @@ Status Interpreter::run() {
   if (auto read = run_file({}, builder_.scene_path(), 0); !read) return read;
   if (!in_world_)
     if (auto started = start_world(); !started) return started;
+  tell_unused_attributes();
   return lights_.finish();
 }
 
+void Interpreter::tell_unused_attributes() const {
+  for (const AttributeUse& each : attributes_)
+    if (!*each.is_used) {
+      const std::string text = fmt::format("the attribute {} of every {} is used by none; it is ignored",
+                                           in_quotes(each.name), each.target);
+      report_.warn(each.place, text, text);
+    }
+}
+
 Status Interpreter::run_file(const Place& from, const std::string& path, int depth) {
-  auto bytes = builder_.read(path);
+  const auto bytes = builder_.read(path);
   if (!bytes) return from.file ? report_.error(from, bytes.error().message) : fail(bytes.error());
-  if (is_gzip(*bytes)) {
-    bytes = gunzip(*bytes);
-    if (!bytes) return fail(bytes.error().code, fmt::format("{} {}", in_quotes(path), bytes.error().message));
-  }
+  std::string content;
+  const auto plain = gunzipped(*bytes, content);
+  if (!plain) return fail(plain.error().code, fmt::format("{} {}", in_quotes(path), plain.error().message));
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-  std::string_view text = *bytes;
+  std::string_view text = *plain;
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   File file{std::make_shared<const std::string>(path), Tokenizer(text)};
   return run_directives(file, depth);
@@ -252,9 +262,10 @@ Status Interpreter::option(File& file) {
        {"disablepixeljitter", "disabletexturefiltering", "disablewavelengthjitter", "msereferenceimage",
         "msereferenceout", "rendercoordsys", "pixelstats", "wavefront", "displacementedgescale"})
     given->find(known);
-  if (const auto seed = given->integer("seed"))
-    builder_.scene().settings.seed = static_cast<std::uint64_t>(std::max(*seed, 0));
-  report_.warn_unused(*given, "the options");
+  if (given->has("seed"))
+    builder_.scene().settings.seed =
+        static_cast<std::uint64_t>(given->integer_in("seed", 0, 0, std::numeric_limits<int>::max()));
+  report_.tell(*given, "the options");
   return {};
 }
 
@@ -339,7 +350,7 @@ Status Interpreter::transform_end(File& file) {
 Status Interpreter::attribute(File& file) {
   const auto name = text(file);
   if (!name) return fail(name.error());
-  const auto given = parameters(file);
+  auto given = parameters(file);
   if (!given) return fail(given.error());
   const auto target = attribute_target(*name);
   if (!target)
@@ -348,6 +359,9 @@ Status Interpreter::attribute(File& file) {
   if ((defaults ? count_values(*defaults) : 0) + count_values(*given) > kMaxDefaults)
     return report_.error(place(file),
                          fmt::format("there are more than {} values of default parameters", kMaxDefaults));
+  given->share_use();
+  for (const Parameter& parameter : given->list())
+    attributes_.push_back({{file.path, parameter.line}, *name, parameter.name, parameter.is_used_anywhere});
   defaults = joined(defaults, *given);
   return {};
 }

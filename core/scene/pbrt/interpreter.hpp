@@ -113,10 +113,12 @@ class Interpreter {
   // The motion of what stands here; nullopt if it does not move, or cannot.
   std::optional<std::vector<MotionStep>> motion_here(const Place& place);
   // Adds an instance that moves.
-  void add_moving(std::uint32_t object, std::vector<MotionStep> steps, std::string name);
+  void add_moving(std::uint32_t object, std::vector<MotionStep> steps, std::string name, const Place& place);
   Result<Matrix> matrix_argument(File& file);
+  void tell_redefinition(const File& file, std::string_view what, const std::string& name) const;
   Status read_setting(File& file, std::optional<KindAndParameters>& setting);
   Status start_world();
+  void tell_unused_attributes() const;
   MediumInterface media_here(const Place& place) const;
 
   SceneBuilder& builder_;
@@ -136,6 +138,12 @@ class Interpreter {
     bool is_attribute;
   };
   std::vector<SavedState> saved_;
+  struct AttributeUse {
+    Place place;
+    std::string target, name;
+    std::shared_ptr<bool> is_used;
+  };
+  std::vector<AttributeUse> attributes_;  // all that the directive Attribute has given
   std::map<std::string, AnimatedMatrix> coordinate_systems_;
   std::map<std::string, std::uint32_t> objects_;
   std::optional<std::uint32_t> object_;  // that is being defined

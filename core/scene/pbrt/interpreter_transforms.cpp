@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -46,9 +47,10 @@ std::optional<std::vector<MotionStep>> Interpreter::motion_here(const Place& pla
   return std::move(motion->steps);
 }
 
-void Interpreter::add_moving(std::uint32_t object, std::vector<MotionStep> steps, std::string name) {
+void Interpreter::add_moving(std::uint32_t object, std::vector<MotionStep> steps, std::string name,
+                             const Place& place) {
   SceneDescription& scene = builder_.scene();
-  builder_.add_instance(object, transform_at(steps, 0), std::move(name));
+  if (!builder_.add_instance(object, transform_at(steps, 0), std::move(name), file_place(place))) return;
   scene.animation.instances.push_back(
       {static_cast<std::uint32_t>(scene.shapes.size()) - 1, std::move(steps)});
   open_shutter(view_, builder_);
@@ -69,7 +71,12 @@ Status Interpreter::transform_times(File& file) {
   const auto times = numbers(file, 2);
   if (!times) return fail(times.error());
   constexpr float kMaxTime_s = 1e6f;
-  const auto limited = [&](float time) { return std::clamp(time, -kMaxTime_s, kMaxTime_s); };
+  const auto limited = [&](float time) {
+    const float kept = std::isnan(time) ? 0 : std::clamp(time, -kMaxTime_s, kMaxTime_s);
+    if (kept != time)
+      report_.warn(place(file), "time", fmt::format("a time is {}; {} seconds are used", time, kept));
+    return kept;
+  };
   view_.times = {limited((*times)[0]), limited((*times)[1])};
   return {};
 }
@@ -124,7 +131,12 @@ Status Interpreter::scale_directive(File& file) {
 Status Interpreter::rotate_directive(File& file) {
   const auto v = numbers(file, 4);
   if (!v) return fail(v.error());
-  apply(rotate(static_cast<double>((*v)[0]), {(*v)[1], (*v)[2], (*v)[3]}));
+  const Vec3 axis{(*v)[1], (*v)[2], (*v)[3]};
+  if (!(length(axis) > 0) || !std::isfinite((*v)[0])) {
+    report_.warn(place(file), "a rotation without an axis or an angle is left out");
+    return {};
+  }
+  apply(rotate(static_cast<double>((*v)[0]), axis));
   return {};
 }
 

@@ -11,6 +11,12 @@
 
 namespace tessera::core::pbrt {
 
+void Interpreter::tell_redefinition(const File& file, std::string_view what, const std::string& name) const {
+  report_.warn(
+      place(file), fmt::format("another {}", what),
+      fmt::format("there is a {} {} already; this one replaces it from here on", what, in_quotes(name)));
+}
+
 // --- Materials, textures, media
 
 Status Interpreter::material(File& file) {
@@ -29,9 +35,9 @@ Status Interpreter::make_named_material(File& file) {
   if (!name) return fail(name.error());
   const auto given = parameters(file, AttributeTarget::kMaterial);
   if (!given) return fail(given.error());
-  const auto index = materials_.add(given->text("type"), *given);
+  const auto index = materials_.add(given->text("type"), *given, *name);
   if (!index) return fail(index.error());
-  materials_.set_name(*name, *index);
+  if (!materials_.set_name(*name, *index)) tell_redefinition(file, "material", *name);
   return {};
 }
 
@@ -62,7 +68,8 @@ Status Interpreter::make_named_medium(File& file) {
   if (!name) return fail(name.error());
   const auto given = parameters(file, AttributeTarget::kMedium);
   if (!given) return fail(given.error());
-  media_.define(*name, *given, still_transform(place(file), "the medium"));
+  if (!media_.define(*name, *given, still_transform(place(file), "the medium")))
+    tell_redefinition(file, "medium", *name);
   return {};
 }
 
@@ -129,7 +136,7 @@ Status Interpreter::shape(File& file) {
   const std::string name = fmt::format("shape in line {}", file.line);
   placement.object = builder_.add_object(name);
   placement.to_world = {};
-  add_moving(*placement.object, *std::move(motion), name);
+  add_moving(*placement.object, *std::move(motion), name, place(file));
   return shapes_.add(*kind, *given, std::move(placement));
 }
 
@@ -139,7 +146,7 @@ Status Interpreter::object_begin(File& file) {
   if (object_) return report_.error(place(file), "an object is defined inside of another one");
   if (auto pushed = push_state(file, true); !pushed) return pushed;
   object_ = builder_.add_object(*name);
-  objects_[*name] = *object_;
+  if (!objects_.insert_or_assign(*name, *object_).second) tell_redefinition(file, "object", *name);
   return {};
 }
 
@@ -162,9 +169,10 @@ Status Interpreter::object_instance(File& file) {
     auto motion = motion_here(place(file));
     std::string shown = fmt::format("instance in line {}", file.line);
     if (motion) {
-      add_moving(object->second, *std::move(motion), std::move(shown));
+      add_moving(object->second, *std::move(motion), std::move(shown), place(file));
     } else {
-      builder_.add_instance(object->second, state_.transform.start.transform(), std::move(shown));
+      builder_.add_instance(object->second, state_.transform.start.transform(), std::move(shown),
+                            file_place(place(file)));
     }
   }
   return {};

@@ -98,8 +98,13 @@ Status Lights::add(const std::string& kind, const Parameters& p, const Matrix& t
   }
   // How many samples an old file wants.
   p.find("nsamples"), p.find("samples");
-  report_.warn_unused(p, fmt::format("the light source '{}'", kind));
+  report_.tell(p, fmt::format("the light source '{}'", kind));
   return {};
+}
+
+void Lights::tell_dark(const Parameters& p, std::string_view what) const {
+  const std::string text = fmt::format("{} without power does not emit", what);
+  report_.warn(p.place(), text, text);
 }
 
 // The colour in the image of light of luminance 1, or of the given RGB, times "scale" and "power" (which the
@@ -110,7 +115,7 @@ Rgb Lights::emitted(const Parameters& p, std::string_view name) {
   // Version 3 had a colour here.
   if (const Parameter* given = p.find("scale"))
     scale = given->floats.size() >= 3 ? colors_.color(p, *given, SpectrumRole::kIlluminant)
-                                      : Rgb::gray(p.number("scale", 1));
+                                      : Rgb::gray(p.number_in("scale", 1, 0, kMaxRadiance));
   return finite_light(exposure_(color) * scale);
 }
 
@@ -118,43 +123,41 @@ void Lights::add_point(const Parameters& p, const Matrix& to_world) {
   PointLightDescription light;
   light.position = to_world.point(p.vector("from", {}));
   light.intensity = emitted(p, "I");
-  if (const float power = p.number("power", -1); power > 0)
-    light.intensity = finite_light(light.intensity * (power / (4 * kPi)));
-  builder_.add_light(light);
+  if (const auto power = p.positive("power"))
+    light.intensity = finite_light(light.intensity * (*power / (4 * kPi)));
+  builder_.add_light(light, file_place(p.place()));
 }
 
 void Lights::add_spot(const Parameters& p, const Matrix& to_world) {
   SpotLightDescription light;
   light.position = to_world.point(p.vector("from", {}));
   light.look_at = to_world.point(p.vector("to", {0, 0, 1}));
-  const float outer = std::clamp(p.number("coneangle", 30), 0.01f, 90.0f);
-  const float width = std::clamp(p.number("conedeltaangle", 5), 0.0f, outer);
-  if (p.number("coneangle", 30) > 90)
-    report_.warn(p.place(), "a spot light with a cone of more than 90 degrees is narrowed to 90 degrees");
+  const float outer = p.number_in("coneangle", 30, 0.01f, 90);
+  const float width = p.number_in("conedeltaangle", std::min(5.0f, outer), 0, outer);
   light.angle_degrees = 2 * outer;
   light.softness = width / outer;
   light.intensity = emitted(p, "I");
-  if (const float power = p.number("power", -1); power > 0)
-    light.intensity = finite_light(light.intensity * (power / spot_solid_angle(outer, outer - width)));
+  if (const auto power = p.positive("power"))
+    light.intensity = finite_light(light.intensity * (*power / spot_solid_angle(outer, outer - width)));
   if (light.position == light.look_at) {
     report_.warn(p.place(), "a spot light without a direction is left out");
     return;
   }
-  builder_.add_light(light);
+  builder_.add_light(light, file_place(p.place()));
 }
 
 void Lights::add_distant(const Parameters& p, const Matrix& to_world) {
   DirectionalLightDescription light;
   light.direction = to_world.direction(p.vector("to", {0, 0, 1}) - p.vector("from", {}));
   light.irradiance = emitted(p, "L");
-  if (const float illuminance = p.number("illuminance", -1); illuminance > 0)
-    light.irradiance = finite_light(light.irradiance * illuminance);
+  if (const auto illuminance = p.positive("illuminance"))
+    light.irradiance = finite_light(light.irradiance * *illuminance);
   if (!(length_squared(light.direction) > 0)) {
     report_.warn(p.place(), "a distant light without a direction is left out");
     return;
   }
   light.direction = normalize(light.direction);
-  builder_.add_light(light);
+  builder_.add_light(light, file_place(p.place()));
 }
 
 Result<std::optional<SceneBuilder::Image>> Lights::image(const Parameters& p, const std::string& file) {
@@ -178,14 +181,17 @@ Status Lights::add_goniometric(const Parameters& p, const Matrix& to_world) {
   PointLightDescription light;
   light.position = to_world.point(p.vector("from", {}));
   light.intensity = emitted(p, "I");
-  const float power = p.number("power", -1);
+  const auto power = p.positive("power");
   float mean_value = 1;
   if (!file.empty()) {
     auto given = image(p, file);
     if (!given) return fail(given.error());
     Matrix swapped;
     swapped.rows = {{{1, 0, 0, 0}, {0, 0, 1, 0}, {0, 1, 0, 0}}};
-    if (const auto from_world = inverse(to_world * swapped); *given && from_world) {
+    const auto from_world = inverse(to_world * swapped);
+    if (!from_world)
+      report_.warn(p.place(), "the transformation of a light has no inverse; its image is left out");
+    if (*given && from_world) {
       const auto gray = std::make_shared<const TextureImage>(gray_of(***given));
       mean_value = gray->mean().r;
       EnvironmentMap map;
@@ -197,9 +203,9 @@ Status Lights::add_goniometric(const Parameters& p, const Matrix& to_world) {
       light.texture = builder_.add_texture(texture);
     }
   }
-  if (power > 0 && mean_value > 0)
-    light.intensity = finite_light(light.intensity * (power / (4 * kPi * mean_value)));
-  builder_.add_light(light);
+  if (power && mean_value > 0)
+    light.intensity = finite_light(light.intensity * (*power / (4 * kPi * mean_value)));
+  builder_.add_light(light, file_place(p.place()));
   return {};
 }
 
@@ -226,22 +232,21 @@ Status Lights::add_projection(const Parameters& p, const Matrix& to_world) {
   light.look_at = light.position + normalize(ahead);
   light.intensity = emitted(p, "I");
   const float aspect = static_cast<float>(slide->width()) / static_cast<float>(slide->height());
-  const SinCos half = sin_cos_turns(std::clamp(p.number("fov", 90), 0.1f, 179.0f) / 720);
+  const SinCos half = sin_cos_turns(p.number_in("fov", 90, 0.1f, 179) / 720);
   const float shorter = half.sin / half.cos;
   const float across = shorter * std::max(1.0f, aspect), upward = shorter * std::max(1.0f, 1 / aspect);
   light.angle_degrees = full_cone(across, upward);
   light.softness = 0;
   light.image.right = normalize(right) * across;
   light.image.up = normalize(up) * upward;
-  if (const float power = p.number("power", -1); power > 0)
+  if (const auto power = p.positive("power"))
     if (const double own = projected_luminance(*slide, across, upward); own > 0)
-      light.intensity = finite_light(light.intensity * static_cast<float>(static_cast<double>(power) / own));
+      light.intensity = finite_light(light.intensity * static_cast<float>(static_cast<double>(*power) / own));
   Texture texture;
   texture.image = std::move(slide);
   texture.wrap = Wrap::kClamp;
   light.image.texture = builder_.add_texture(texture);
-  const bool has_area = length_squared(light.image.right) > 0 && length_squared(light.image.up) > 0;
-  if (has_area && is_finite(light.look_at) && light.position != light.look_at) builder_.add_light(light);
+  builder_.add_light(light, file_place(p.place()));
   return {};
 }
 
@@ -253,8 +258,9 @@ Status Lights::add_infinite(const Parameters& p, const Matrix& to_world) {
   if (file.empty()) file = p.text("mapname");  // of version 3
   if (!file.empty()) return add_infinite_image(p, file, to_world);
   Rgb radiance = emitted(p, "L");
-  if (const float illuminance = p.number("illuminance", -1); illuminance > 0)
-    radiance = finite_light(radiance * (illuminance / kPi));
+  if (const auto illuminance = p.positive("illuminance"))
+    radiance = finite_light(radiance * (*illuminance / kPi));
+  if (is_black(radiance)) tell_dark(p, "an infinite light");
   environment_.add_constant(radiance);
   return {};
 }
@@ -264,6 +270,8 @@ Status Lights::add_infinite_image(const Parameters& p, const std::string& file, 
   auto given = image(p, file);
   if (!given) return fail(given.error());
   const auto from_world = inverse(to_world);
+  if (!from_world)
+    report_.warn(p.place(), "the transformation of an infinite light has no inverse; even light is used");
   if (!*given || !from_world) {
     environment_.add_constant(scale);
     return {};
@@ -273,9 +281,9 @@ Status Lights::add_infinite_image(const Parameters& p, const std::string& file, 
     report_.warn(p.place(),
                  "the image of an infinite light is not square; it is taken for an equirectangular one, as "
                  "of pbrt-v3");
-  if (const float illuminance = p.number("illuminance", -1); illuminance > 0)
+  if (const auto illuminance = p.positive("illuminance"))
     if (const double own = upper_illuminance(pixels); own > 0)
-      scale = finite_light(scale * static_cast<float>(static_cast<double>(illuminance) / own));
+      scale = finite_light(scale * static_cast<float>(static_cast<double>(*illuminance) / own));
   environment_.add_image(**given, *from_world, scale);
   return {};
 }
@@ -297,14 +305,15 @@ Result<std::shared_ptr<const AreaLight>> Lights::area_light(const std::string& k
     light.radiance = {finite_light(parameter->value * radiance), parameter->texture};
   }
   light.two_sided = p.boolean("twosided", false);
-  if (const float power = p.number("power", -1); power > 0) light.power = power;
+  light.power = p.positive("power");
+  if (is_black(light.radiance.value)) tell_dark(p, "an area light");
   if (light.power && light.is_textured()) {
     const auto index = static_cast<std::size_t>(light.radiance.texture);
     const float mean_luminance = luminance(builder_.scene().textures[index].image->mean());
     if (mean_luminance > 0) *light.power /= mean_luminance;
   }
   p.find("nsamples"), p.find("samples");
-  report_.warn_unused(p, fmt::format("the area light '{}'", kind));
+  report_.tell(p, fmt::format("the area light '{}'", kind));
   return std::make_shared<const AreaLight>(light);
 }
 

@@ -54,6 +54,7 @@ class Lights {
   Status add_infinite(const Parameters& p, const Matrix& to_world);
   Status add_infinite_image(const Parameters& p, const std::string& file, const Matrix& to_world);
   Result<std::optional<SceneBuilder::Image>> image(const Parameters& p, const std::string& file);
+  void tell_dark(const Parameters& p, std::string_view what) const;
   Rgb emitted(const Parameters& p, std::string_view name);
 
   SceneBuilder& builder_;

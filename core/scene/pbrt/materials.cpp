@@ -9,6 +9,7 @@
 #include "core/math/elementary.hpp"
 #include "core/scene/loader/wording.hpp"
 #include "core/scene/pbrt/files.hpp"
+#include "core/scene/tables/material_tables.hpp"
 
 namespace tessera::core::pbrt {
 namespace {
@@ -38,13 +39,6 @@ Rgb diffuse_reflectance(Rgb absorption, Rgb scattering, float index) {
           channel(absorption.b, scattering.b)};
 }
 
-bool is_textured_parameter(const ColorParameter& p) {
-  return p.texture >= 0;
-}
-bool is_textured_parameter(const ScalarParameter& p) {
-  return p.texture >= 0;
-}
-
 }  // namespace
 
 std::optional<int> Materials::find(const std::string& name) const {
@@ -62,7 +56,9 @@ int Materials::default_material() {
   return *default_;
 }
 
+// pbrt's BSDFs know the shading normal only.
 int Materials::add(Material material) {
+  material.shading_normals = ShadingNormals::kPlain;
   textured_.push_back(has_texture(material));
   materials_.push_back(std::move(material));
   return static_cast<int>(materials_.size()) - 1;
@@ -70,9 +66,9 @@ int Materials::add(Material material) {
 
 // Parts of mixtures stand before them.
 bool Materials::has_texture(const Material& material) const {
-  bool found = material.normal_map.texture >= 0 || material.bump.texture >= 0;
-  visit_parameters(material.model, [&](std::string_view, const auto& parameter) {
-    found |= is_textured_parameter(parameter);
+  bool found = false;
+  visit_keys(material, [&](const auto&, const auto& value) {
+    if constexpr (requires { value.texture; }) found |= value.texture >= 0;
   });
   const auto* blend = std::get_if<Blend>(&material.model);
   if (blend == nullptr || found) return found;
@@ -81,14 +77,16 @@ bool Materials::has_texture(const Material& material) const {
   return false;
 }
 
-Result<int> Materials::add(const std::string& type, const Parameters& p) {
+Result<int> Materials::add(const std::string& type, const Parameters& p, const std::string& name) {
   Material material;
-  material.name = fmt::format("{} {}", type.empty() ? "interface" : type, materials_.size() + 1);
+  material.name = name.empty()
+                      ? fmt::format("{} {}", type.empty() ? "interface" : type, materials_.size() + 1)
+                      : printable(name);
   auto made = model(type, p);
   if (!made) return fail(made.error());
   material.model = std::move(*made);
   if (auto added = add_relief(p, material); !added) return fail(added.error());
-  report_.warn_unused(p, fmt::format("the material '{}'", type));
+  report_.tell(p, fmt::format("the material '{}'", type));
   return add(std::move(material));
 }
 
@@ -136,7 +134,13 @@ Materials::Model Materials::earlier_model(const std::string& type, const Paramet
 
 Materials::Model Materials::unknown(const std::string& type, const Parameters& p) {
   for (const Parameter& parameter : p.list()) p.find(parameter.name);
-  const std::string text = fmt::format("the material {} is not supported; gray is used", in_quotes(type));
+  const std::string text =
+      type == "measured"
+          ? fmt::format(
+                "the material 'measured' is refused: the measured reflectance of {} cannot be read; a gray "
+                "diffuse material replaces it",
+                in_quotes(p.text("filename")))
+          : fmt::format("the material {} is not supported; gray is used", in_quotes(type));
   report_.warn(p.place(), text, text);
   return Lambert{{Rgb::gray(0.5f), -1}};
 }
@@ -157,6 +161,9 @@ Result<Materials::Roughness> Materials::roughness(const Parameters& p, const std
   if (!v) v = both;
   const Place place = p.place();
   const Rgb *along_u = constant_of(u), *along_v = constant_of(v);
+  for (const char* name : {"roughness", "uroughness", "vroughness"})
+    if (const Parameter* given = p.find(prefix + name); given != nullptr && given->type == "float")
+      p.number_in(given->name, otherwise, 0, 1);  // remarks on what is clamped
   const auto ours = [exponent](float r) {
     return static_cast<float>(
         pow(static_cast<double>(std::clamp(r, 0.0f, 1.0f)), static_cast<double>(exponent)));
@@ -191,6 +198,10 @@ float Materials::index_of_refraction(const Parameters& p, std::string_view name,
     index = colors_.index(p, *parameter);
   }
   // 0 stands for 1 in files of pbrt.
+  if (!(index >= 0 && index <= kMaxIor))
+    p.remark(parameter->name, "range",
+             fmt::format("must be from 0 to {:g}, got {:g}; {:g} is used", kMaxIor, index,
+                         index > 0 ? kMaxIor : 1.0f));
   return index > 0 ? std::min(index, kMaxIor) : 1;
 }
 
@@ -217,7 +228,8 @@ Materials::Model Materials::coated_diffuse(const Parameters& p) {
   plastic.compensated = false;
   // Without scattering between the layers their distance has little effect.
   const Rgb albedo = colors_.color(p, "albedo", SpectrumRole::kAlbedo, {});
-  p.find("thickness"), p.find("g");
+  for (const char* ignored : {"thickness", "g"})
+    if (p.has(ignored)) p.remark(ignored, "has no effect, because nothing scatters between the layers");
   if (!is_black(albedo))
     report_.warn(p.place(), "scattering between the layers of a material is not supported; it is ignored");
   return plastic;
@@ -254,7 +266,10 @@ Materials::Model Materials::conductor(const Parameters& p, const std::string& pr
 }
 
 Materials::Model Materials::coated_conductor(const Parameters& p) {
-  for (const char* ignored : {"thickness", "g", "albedo", "maxdepth", "nsamples"}) p.find(ignored);
+  // Parameters of pbrt's own random walk.
+  for (const char* known : {"maxdepth", "nsamples"}) p.find(known);
+  for (const char* ignored : {"thickness", "g", "albedo"})
+    if (p.has(ignored)) p.remark(ignored, "has no effect, because nothing scatters between the layers");
   report_.warn(p.place(),
                "the material 'coatedconductor' is approximated by a metal under the coat of 'principled'");
   auto metal = conductor(p, "conductor.");
@@ -295,16 +310,23 @@ Materials::Model Materials::diffuse_transmission(const Parameters& p) {
   if (!reflected) return fail(reflected.error());
   auto transmitted = color(p, "transmittance", Rgb::gray(0.25f));
   if (!transmitted) return fail(transmitted.error());
-  const float scale = std::clamp(p.number("scale", 1), 0.0f, 1.0f);
-  reflected->value = reflected->value * scale;
-  transmitted->value = transmitted->value * scale;
+  constexpr float kMaxScale = 1e6f;
+  const float scale = p.number_in("scale", 1, 0, kMaxScale);
+  for (ColorParameter* each : {&*reflected, &*transmitted}) {
+    each->value = each->value * scale;
+    if (max_component(each->value) <= 1) continue;
+    p.remark("scale", "makes the surface brighter than white; its colour is clamped");
+    each->value = {std::min(each->value.r, 1.0f), std::min(each->value.g, 1.0f),
+                   std::min(each->value.b, 1.0f)};
+  }
   return DiffuseTransmission{*reflected, *transmitted};
 }
 
 Materials::Model Materials::subsurface(const Parameters& p) {
   report_.warn(p.place(),
                "subsurface scattering is not supported; a coated diffuse surface of its colour is used");
-  for (const char* ignored : {"mfp", "g", "scale"}) p.find(ignored);
+  for (const char* ignored : {"mfp", "g", "scale"})
+    if (p.has(ignored)) p.remark(ignored, "has no effect, because nothing scatters below the surface");
   if (!p.text("name").empty())
     report_.warn(p.place(),
                  "named media of the material 'subsurface' are not known; those of skim milk are used");
@@ -330,6 +352,8 @@ Materials::Model Materials::subsurface(const Parameters& p) {
 Materials::Model Materials::hair(const Parameters& p) {
   Hair hair;
   const auto number = [&](std::string_view name, float otherwise, float most) -> Result<ScalarParameter> {
+    if (const Parameter* given = p.find(name); given != nullptr && given->type == "float")
+      p.number_in(name, otherwise, 0, most);  // remarks on what is clamped
     return baker_.scalar(textures_.number(p, name, otherwise), most, p.place_of(p.find(name)));
   };
   const bool has_melanin = p.has("eumelanin") || p.has("pheomelanin");
@@ -345,7 +369,7 @@ Materials::Model Materials::hair(const Parameters& p) {
   hair.beta_m = *beta_m;
   hair.beta_n = *beta_n;
   hair.ior = index_of_refraction(p, "eta", 1.55f);
-  hair.tilt_degrees = std::clamp(p.number("alpha", 2), -kMaxHairTiltDegrees, kMaxHairTiltDegrees);
+  hair.tilt_degrees = p.number_in("alpha", 2, -kMaxHairTiltDegrees, kMaxHairTiltDegrees);
   for (const char* name : {"color", "reflectance"}) {
     if (!p.has(name)) continue;
     auto given = color(p, name, Rgb::gray(0.5f));
@@ -353,6 +377,8 @@ Materials::Model Materials::hair(const Parameters& p) {
     hair.reflectance = *given;
     hair.pigment = HairPigment::kReflectance;
   }
+  if (p.has("sigma_a") + (p.has("color") || p.has("reflectance")) + has_melanin > 1)
+    p.remark("sigma_a", "and colours or pigments are given; the absorption counts, or else the colour");
   if (p.has("sigma_a")) {
     auto given = baker_.color(textures_.color(p, "sigma_a", SpectrumRole::kUnbounded, Rgb{}), kMaxAbsorption,
                               p.place_of(p.find("sigma_a")));
@@ -380,6 +406,10 @@ std::uint32_t Materials::part_of_mix(const Parameters& p, std::size_t part) {
 }
 
 Materials::Model Materials::mix(const Parameters& p) {
+  if (p.texts("materials").size() > 2)
+    p.remark("materials", "has more than two names; the first two are mixed");
+  if (const Parameter* amount = p.find("amount"); amount != nullptr && amount->type == "float")
+    p.number_in("amount", 0.5f, 0, 1);  // remarks on what is clamped
   const std::uint32_t first = part_of_mix(p, 0), second = part_of_mix(p, 1);
   auto weight = baker_.scalar(textures_.number(p, "amount", 0.5f), 1, p.place());
   if (!weight) return fail(weight.error());
@@ -430,10 +460,10 @@ Materials::Model Materials::disney_of_version_3(const Parameters& p) {
   if (!base) return fail(base.error());
   Principled surface;
   surface.base_color = *base;
-  surface.base_metalness = std::clamp(p.number("metallic", 0), 0.0f, 1.0f);
-  surface.specular_roughness = std::clamp(p.number("roughness", 0.5f), 0.0f, 1.0f);
+  surface.base_metalness = p.number_in("metallic", 0, 0, 1);
+  surface.specular_roughness = p.number_in("roughness", 0.5f, 0, 1);
   surface.specular_ior = index_of_refraction(p, "eta", 1.5f);
-  surface.transmission_weight = std::clamp(p.number("spectrans", 0), 0.0f, 1.0f);
+  surface.transmission_weight = p.number_in("spectrans", 0, 0, 1);
   return surface;
 }
 

@@ -26,9 +26,10 @@ class Materials {
 
   // Converts a material; its index for at(). The type "" or "interface" is Null. Types that are not supported
   // become gray, with a warning. Fails for textures beyond the limits.
-  Result<int> add(const std::string& type, const Parameters& p);
-  // Names it for find(), also for the parts of later mixtures.
-  void set_name(const std::string& name, int index) { names_[name] = index; }
+  // Cryptomatte calls it by `name`; without one, by its type and number.
+  Result<int> add(const std::string& type, const Parameters& p, const std::string& name = {});
+  // Names it for find(), also for the parts of later mixtures. False if another one had the name.
+  bool set_name(const std::string& name, int index) { return names_.insert_or_assign(name, index).second; }
   std::optional<int> find(const std::string& name) const;
   // The gray material of shapes that were given none.
   int default_material();

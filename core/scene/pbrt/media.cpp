@@ -25,7 +25,8 @@ Rgb coefficients(Rgb c) {
 
 }  // namespace
 
-void Media::define(const std::string& name, const Parameters& p, const Matrix& to_world) {
+bool Media::define(const std::string& name, const Parameters& p, const Matrix& to_world) {
+  if (!p.has("type")) report_.warn(p.place(), "a medium without a \"type\" is homogeneous");
   const std::string type = p.text("type", "homogeneous");
   MediumDescription medium;
   medium.name = name;
@@ -45,13 +46,12 @@ void Media::define(const std::string& name, const Parameters& p, const Matrix& t
         p.place(), "medium " + type,
         fmt::format("the medium {} of the type {} is not supported, or has no values; it is left out",
                     in_quotes(name), in_quotes(type)));
-    names_[name] = kNoMedium;
-    return;
+    return names_.insert_or_assign(name, kNoMedium).second;
   }
-  report_.warn_unused(p, fmt::format("the medium '{}'", type));
+  report_.tell(p, fmt::format("the medium '{}'", type));
   auto& media = builder_.scene().media;
   media.push_back(std::move(medium));
-  names_[name] = static_cast<int>(media.size()) - 1;
+  return names_.insert_or_assign(name, static_cast<int>(media.size()) - 1).second;
 }
 
 int Media::find(const std::string& name, const Place& place) const {
@@ -74,13 +74,26 @@ void Media::read_common(const Parameters& p, MediumDescription& medium) {
   const MeasuredMedium& milk = *find_measured_medium("Wholemilk");
   medium.sigma_a = coefficients(colors_.color(p, "sigma_a", SpectrumRole::kUnbounded, milk.sigma_a));
   medium.sigma_s = coefficients(colors_.color(p, "sigma_s", SpectrumRole::kUnbounded, milk.sigma_s));
-  if (measured != nullptr) medium.sigma_a = measured->sigma_a, medium.sigma_s = measured->sigma_s;
-  medium.scale = coefficient(p.number("scale", 1));
-  medium.g = std::clamp(p.number("g", 0), -kMaxAsymmetry, kMaxAsymmetry);
-  if (p.has("Le")) {
-    const Rgb emitted = colors_.color(p, "Le", SpectrumRole::kIlluminant, {});
-    medium.emission = coefficients(exposure_(emitted) * p.number("Lescale", 1));
+  if (measured != nullptr) {
+    medium.sigma_a = measured->sigma_a, medium.sigma_s = measured->sigma_s;
+    for (const char* name : {"sigma_a", "sigma_s"})
+      if (p.has(name)) p.remark(name, "is ignored, because there is a \"preset\"");
   }
+  read_scale(p, medium);
+  if (!p.has("Le")) return;
+  const Rgb emitted = colors_.color(p, "Le", SpectrumRole::kIlluminant, {});
+  medium.emission = coefficients(exposure_(emitted) * emission_scale(p));
+}
+
+void Media::read_scale(const Parameters& p, MediumDescription& medium) const {
+  medium.scale = p.number_in("scale", 1, 0, kMaxCoefficient);
+  medium.g = p.number_in("g", 0, -kMaxAsymmetry, kMaxAsymmetry);
+}
+
+// Several values are a grid.
+float Media::emission_scale(const Parameters& p) const {
+  const Parameter* given = p.find("Lescale");
+  return given != nullptr && given->size() > 1 ? 1 : p.number_in("Lescale", 1, 0, kMaxCoefficient);
 }
 
 int Media::add_grid(const Parameters& p, std::string_view name, std::uint32_t channels) {
@@ -88,7 +101,7 @@ int Media::add_grid(const Parameters& p, std::string_view name, std::uint32_t ch
   if (given == nullptr) return -1;
   VoxelGrid grid;
   const auto side = [&](std::string_view key) {
-    return static_cast<std::uint32_t>(std::clamp(p.integer(key, 1), 1, static_cast<int>(kMaxGridSide)));
+    return static_cast<std::uint32_t>(p.integer_in(key, 1, 1, static_cast<int>(kMaxGridSide)));
   };
   grid.size = {side("nx"), side("ny"), side("nz")};
   grid.channels = channels;
@@ -100,6 +113,9 @@ int Media::add_grid(const Parameters& p, std::string_view name, std::uint32_t ch
         fmt::format("the grid {} does not have one value for each voxel; it is ignored", in_quotes(name)));
     return -1;
   }
+  const auto is_usable = [](float value) { return value == coefficient(value); };
+  if (!std::all_of(grid.values.begin(), grid.values.end(), is_usable))
+    p.remark(name, "has values that are negative, infinite or no numbers; they are clamped");
   for (float& value : grid.values) value = coefficient(value);
   auto& grids = builder_.scene().grids;
   grids.push_back(std::move(grid));
@@ -135,13 +151,11 @@ bool Media::read_uniform_grid(const Parameters& p, const Matrix& to_world, Mediu
 
 bool Media::read_rgb_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium) {
   medium.sigma_a = medium.sigma_s = Rgb::gray(1);
-  medium.scale = coefficient(p.number("scale", 1));
-  medium.g = std::clamp(p.number("g", 0), -kMaxAsymmetry, kMaxAsymmetry);
+  read_scale(p, medium);
   medium.absorption_grid = add_grid(p, "sigma_a", 3);
   medium.scattering_grid = add_grid(p, "sigma_s", 3);
   medium.emission_grid = add_grid(p, "Le", 3);
-  if (medium.emission_grid >= 0)
-    medium.emission = coefficients(exposure_(Rgb::gray(1)) * p.number("Lescale", 1));
+  if (medium.emission_grid >= 0) medium.emission = coefficients(exposure_(Rgb::gray(1)) * emission_scale(p));
   place_grid(p, to_world, medium);
   return medium.absorption_grid >= 0 || medium.scattering_grid >= 0;
 }

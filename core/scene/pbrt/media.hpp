@@ -22,13 +22,16 @@ class Media {
 
   void set_exposure(const Exposure& exposure) { exposure_ = exposure; }
 
-  // The directive MakeNamedMedium. A type that is not supported becomes vacuum, with a warning.
-  void define(const std::string& name, const Parameters& p, const Matrix& to_world);
+  // The directive MakeNamedMedium. A type that is not supported becomes vacuum, with a warning. False if
+  // there was a medium of this name.
+  bool define(const std::string& name, const Parameters& p, const Matrix& to_world);
   // The index of the medium in the scene; kNoMedium for "", or with a warning for an unknown name.
   int find(const std::string& name, const Place& place) const;
 
  private:
   void read_common(const Parameters& p, MediumDescription& medium);
+  void read_scale(const Parameters& p, MediumDescription& medium) const;
+  float emission_scale(const Parameters& p) const;
   bool read_uniform_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium);
   bool read_rgb_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium);
   // The index of the grid in the scene; -1 if there is no parameter of the name, or not one value for each

@@ -134,9 +134,21 @@ Result<Parameter> parse_parameter(Tokenizer& tokens, const Token& declaration) {
   return parameter;
 }
 
+// "nan", "-nan(ind)", "NaN", "1.#QNAN"
+bool is_written_nan(std::string_view text) {
+  const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
+  const std::string_view word = text.substr(sign, 3);
+  constexpr std::string_view kNan = "nan";
+  return word == "1.#" || (word.size() == kNan.size() &&
+                           std::equal(kNan.begin(), kNan.end(), word.begin(), [](char a, char b) {
+                             return a == (b >= 'A' && b <= 'Z' ? b - 'A' + 'a' : b);
+                           }));
+}
+
 }  // namespace
 
 std::optional<float> parse_number(std::string_view text) {
+  if (is_written_nan(text)) return std::numeric_limits<float>::quiet_NaN();
   if (text.starts_with('+')) text.remove_prefix(1);
   float value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -166,33 +178,98 @@ const Parameter* Parameters::find(std::string_view name) const {
       std::find_if(list_.rbegin(), list_.rend(), [&](const Parameter& p) { return p.name == name; });
   if (found == list_.rend()) return defaults_ ? defaults_->find(name) : nullptr;
   found->is_used = true;
+  if (found->is_used_anywhere) *found->is_used_anywhere = true;
   return &*found;
+}
+
+void Parameters::share_use() {
+  for (Parameter& parameter : list_) parameter.is_used_anywhere = std::make_shared<bool>(false);
+}
+
+void Parameters::remark(std::string_view name, std::string_view kind, std::string text) const {
+  const auto is_same = [&](const Remark& known) { return known.name == name && known.text == text; };
+  if (std::any_of(remarks_.begin(), remarks_.end(), is_same)) return;
+  remarks_.push_back({std::string(name), place_of(find(name)).line, std::string(kind), std::move(text)});
+}
+
+void Parameters::expect_multiple(const Parameter& parameter, std::size_t values, std::size_t of) const {
+  if (values == 0)
+    remark(parameter.name, "has no values of its kind; it is ignored");
+  else if (values % of != 0)
+    remark(parameter.name, fmt::format("does not have {} values each; the last ones are ignored", of));
 }
 
 std::optional<float> Parameters::number(std::string_view name) const {
   const Parameter* p = find(name);
   if (p == nullptr) return std::nullopt;
-  if (!p->floats.empty()) return p->floats.front();
+  if (p->size() > 1) remark(name, "has several values; the first one is used");
+  if (!p->floats.empty() && !std::isnan(p->floats.front())) return p->floats.front();
   if (!p->integers.empty()) return static_cast<float>(p->integers.front());
+  remark(name, "is no number; its default is used");
+  return std::nullopt;
+}
+
+float Parameters::number_in(std::string_view name, float otherwise, float least, float most) const {
+  const float value = number(name, otherwise), limited = std::clamp(value, least, most);
+  if (limited != value)
+    remark(name, "range",
+           fmt::format("must be from {:g} to {:g}, got {:g}; {:g} is used", least, most, value, limited));
+  return limited;
+}
+
+std::optional<float> Parameters::positive(std::string_view name) const {
+  const auto value = number(name);
+  if (!value || *value > 0) return value;
+  remark(name, "positive", fmt::format("must be above 0, got {:g}; it is ignored", *value));
   return std::nullopt;
 }
 
 std::optional<int> Parameters::integer(std::string_view name) const {
   const Parameter* p = find(name);
   if (p == nullptr) return std::nullopt;
+  if (p->size() > 1) remark(name, "has several values; the first one is used");
   if (!p->integers.empty()) return p->integers.front();
-  if (!p->floats.empty() && std::fabs(p->floats.front()) < 2e9f) return static_cast<int>(p->floats.front());
+  if (!p->floats.empty() && std::fabs(p->floats.front()) < 2e9f) {
+    const int whole = static_cast<int>(p->floats.front());
+    if (static_cast<float>(whole) != p->floats.front())
+      remark(name, "fraction",
+             fmt::format("must be a whole number, got {:g}; {} is used", p->floats.front(), whole));
+    return whole;
+  }
+  remark(name, "is no whole number; its default is used");
   return std::nullopt;
+}
+
+int Parameters::integer_in(std::string_view name, int otherwise, int least, int most) const {
+  const int value = integer(name, otherwise), limited = std::clamp(value, least, most);
+  if (limited != value)
+    remark(name, "range",
+           fmt::format("must be from {} to {}, got {}; {} is used", least, most, value, limited));
+  return limited;
 }
 
 bool Parameters::boolean(std::string_view name, bool otherwise) const {
   const Parameter* p = find(name);
-  return p == nullptr || p->booleans.empty() ? otherwise : p->booleans.front();
+  if (p == nullptr) return otherwise;
+  if (!p->booleans.empty()) return p->booleans.front();
+  remark(name, "is neither true nor false; its default is used");
+  return otherwise;
 }
 
 std::string Parameters::text(std::string_view name, std::string_view otherwise) const {
   const Parameter* p = find(name);
-  return p == nullptr || p->strings.empty() ? std::string(otherwise) : p->strings.front();
+  if (p != nullptr && !p->strings.empty()) return p->strings.front();
+  if (p != nullptr) remark(name, "is no text; its default is used");
+  return std::string(otherwise);
+}
+
+std::string Parameters::choice(std::string_view name, std::string_view otherwise,
+                               std::initializer_list<std::string_view> known) const {
+  std::string given = text(name, otherwise);
+  if (std::find(known.begin(), known.end(), given) != known.end()) return given;
+  remark(name, "choice",
+         fmt::format("is {}, which is not known; {} is used", in_quotes(given), in_quotes(otherwise)));
+  return std::string(otherwise);
 }
 
 std::vector<std::string> Parameters::texts(std::string_view name) const {
@@ -207,9 +284,20 @@ std::vector<float> Parameters::numbers(std::string_view name) const {
   return p->floats;
 }
 
-std::vector<std::int32_t> Parameters::integers(std::string_view name) const {
+std::vector<float> Parameters::four_numbers(std::string_view name) const {
+  std::vector<float> values = numbers(name);
+  const bool are_numbers =
+      std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+  if (values.size() == 4 && are_numbers) return values;
+  if (find(name) != nullptr) remark(name, "is not four numbers; it is ignored");
+  return {};
+}
+
+std::vector<std::int32_t> Parameters::integers(std::string_view name, std::size_t each) const {
   const Parameter* p = find(name);
-  return p == nullptr ? std::vector<std::int32_t>() : p->integers;
+  if (p == nullptr) return {};
+  expect_multiple(*p, p->integers.size(), each);
+  return p->integers;
 }
 
 std::optional<Vec3> Parameters::vector(std::string_view name) const {
@@ -221,6 +309,7 @@ std::vector<Vec3> Parameters::vectors(std::string_view name) const {
   const Parameter* p = find(name);
   std::vector<Vec3> result;
   if (p == nullptr) return result;
+  expect_multiple(*p, p->floats.size(), 3);
   result.reserve(p->floats.size() / 3);
   for (std::size_t i = 0; i + 3 <= p->floats.size(); i += 3)
     result.push_back({p->floats[i], p->floats[i + 1], p->floats[i + 2]});
@@ -231,6 +320,7 @@ std::vector<Vec2> Parameters::points2(std::string_view name) const {
   const Parameter* p = find(name);
   std::vector<Vec2> result;
   if (p == nullptr) return result;
+  expect_multiple(*p, p->floats.size(), 2);
   result.reserve(p->floats.size() / 2);
   for (std::size_t i = 0; i + 2 <= p->floats.size(); i += 2)
     result.push_back({p->floats[i], p->floats[i + 1]});

@@ -7,11 +7,16 @@
 
 namespace tessera::core::pbrt {
 
-void Report::warn_unused(const Parameters& parameters, std::string_view owner) const {
+void Report::tell(const Parameters& parameters, std::string_view owner) const {
   for (const Parameter* parameter : parameters.unused()) {
     const std::string text = fmt::format("the parameter {} of {} is not supported; it is ignored",
                                          in_quotes(parameter->name), owner);
     warn({parameters.place().file, parameter->line}, text, text);
+  }
+  for (const Parameters::Remark& remark : parameters.remarks()) {
+    const std::string subject = fmt::format("the parameter {} of {}", in_quotes(remark.name), owner);
+    warn({parameters.place().file, remark.line}, fmt::format("{} {}", subject, remark.kind),
+         fmt::format("{} {}", subject, remark.text));
   }
 }
 

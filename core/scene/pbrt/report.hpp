@@ -12,6 +12,10 @@
 
 namespace tessera::core::pbrt {
 
+inline FilePlace file_place(const Place& place) {
+  return {*place.file, place.line};
+}
+
 class Report {
  public:
   // `builder` must outlive this object.
@@ -25,8 +29,9 @@ class Report {
   void warn(const Place& place, std::string_view kind, const std::string& text) const {
     builder_.warn(*place.file, place.line, kind, [&] { return text; });
   }
-  // Warns of each parameter that was not read. `owner` names what they belong to: "the shape 'sphere'".
-  void warn_unused(const Parameters& parameters, std::string_view owner) const;
+  // Warns of each parameter that was not read, and of all remarks. `owner` names what they belong to: "the
+  // shape 'sphere'".
+  void tell(const Parameters& parameters, std::string_view owner) const;
   // INVALID_ARGUMENT: "scene.pbrt:12: TEXT".
   tl::unexpected<Error> error(const Place& place, std::string_view text) const;
 

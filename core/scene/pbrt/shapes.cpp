@@ -101,12 +101,18 @@ std::string shape_name(const Parameters& p, std::string_view kind) {
   return fmt::format("{} in line {}", kind, p.place().line);
 }
 
+float radius_of(const Parameters& p, std::string_view name, float otherwise) {
+  const float radius = p.number(name, otherwise);
+  if (radius < 0) p.remark(name, "is negative; it is taken without its sign");
+  return std::fabs(radius);
+}
+
 std::uint32_t as_index(std::int32_t index) {
   return static_cast<std::uint32_t>(index);
 }
 
 std::vector<Corners> triangles_of(const Parameters& p, std::size_t positions) {
-  const std::vector<std::int32_t> indices = p.integers("indices");
+  const std::vector<std::int32_t> indices = p.integers("indices", 3);
   if (indices.empty() && positions == 3) return {{0, 1, 2}};
   std::vector<Corners> triangles;
   triangles.reserve(indices.size() / 3);
@@ -149,7 +155,7 @@ Status Shapes::add(const std::string& kind, const Parameters& p, ShapePlacement 
     report_.warn(p.place(), text, text);
     return {};
   }
-  if (added) report_.warn_unused(p, fmt::format("the shape '{}'", kind));
+  if (added) report_.tell(p, fmt::format("the shape '{}'", kind));
   return added;
 }
 
@@ -159,7 +165,7 @@ Status Shapes::add_analytic(Description shape, double area, const Parameters& p,
   if (!material) return fail(material.error());
   if (!*material) return {};
   shape.material = **material;
-  builder_.add_shape(std::move(shape), shape_name(p, "shape"), at.object);
+  builder_.add_shape(std::move(shape), shape_name(p, "shape"), at.object, file_place(p.place()));
   return {};
 }
 
@@ -167,11 +173,11 @@ Status Shapes::add_analytic(Description shape, double area, const Parameters& p,
 // instance, which has its own poles; where that is not possible, it becomes triangles.
 Status Shapes::add_sphere(const Parameters& p, const ShapePlacement& at) {
   PartialSphere sphere;
-  sphere.radius = std::fabs(p.number("radius", 1));
+  sphere.radius = radius_of(p, "radius", 1);
   const float za = p.number("zmin", -sphere.radius), zb = p.number("zmax", sphere.radius);
   sphere.z_min = std::clamp(std::min(za, zb), -sphere.radius, sphere.radius);
   sphere.z_max = std::clamp(std::max(za, zb), -sphere.radius, sphere.radius);
-  sphere.phi_max = std::clamp(p.number("phimax", 360), 0.0f, 360.0f);
+  sphere.phi_max = p.number_in("phimax", 360, 0, 360);
   if (!(sphere.radius > 0) || sphere.phi_max == 0 || sphere.z_min == sphere.z_max) {
     report_.warn(p.place(), "a sphere without a surface is left out");
     return {};
@@ -191,16 +197,16 @@ Status Shapes::add_sphere(const Parameters& p, const ShapePlacement& at) {
   InstanceDescription instance;
   instance.object = *own.object;
   instance.to_world = (at.to_world * pole_up()).transform();
-  builder_.add_shape(instance, shape_name(p, "sphere"), at.object);
+  if (!builder_.add_shape(instance, shape_name(p, "sphere"), at.object, file_place(p.place()))) return {};
   return add_analytic(SphereDescription{{}, sphere.radius, 0}, area, p, own);
 }
 
 Status Shapes::add_disk(const Parameters& p, const ShapePlacement& at) {
   PartialDisk disk;
   disk.height = p.number("height", 0);
-  disk.radius = std::fabs(p.number("radius", 1));
-  disk.inner_radius = std::fabs(p.number("innerradius", 0));
-  disk.phi_max = std::clamp(p.number("phimax", 360), 0.0f, 360.0f);
+  disk.radius = radius_of(p, "radius", 1);
+  disk.inner_radius = radius_of(p, "innerradius", 0);
+  disk.phi_max = p.number_in("phimax", 360, 0, 360);
   if (!(disk.radius > disk.inner_radius) || disk.phi_max == 0) {
     report_.warn(p.place(), "a disk without a surface is left out");
     return {};
@@ -215,17 +221,16 @@ Status Shapes::add_disk(const Parameters& p, const ShapePlacement& at) {
   const double inner = static_cast<double>(whole.inner);
   const double area = std::numbers::pi * (1 - inner * inner) *
                       static_cast<double>(length(cross(whole.radius_u, whole.radius_v)));
-  if (!(area > 0)) return {};
   return add_analytic(whole, area, p, at);
 }
 
 Status Shapes::add_cylinder(const Parameters& p, const ShapePlacement& at) {
   PartialCylinder cylinder;
-  cylinder.radius = std::fabs(p.number("radius", 1));
+  cylinder.radius = radius_of(p, "radius", 1);
   const float za = p.number("zmin", -1), zb = p.number("zmax", 1);
   cylinder.z_min = std::min(za, zb);
   cylinder.z_max = std::max(za, zb);
-  cylinder.phi_max = std::clamp(p.number("phimax", 360), 0.0f, 360.0f);
+  cylinder.phi_max = p.number_in("phimax", 360, 0, 360);
   if (!(cylinder.radius > 0) || cylinder.phi_max == 0 || cylinder.z_min == cylinder.z_max) {
     report_.warn(p.place(), "a cylinder without a surface is left out");
     return {};
@@ -249,7 +254,7 @@ Status Shapes::add_triangles(const Parameters& p, const ShapePlacement& at) {
   mesh.normals = p.vectors("N");
   mesh.uvs = uvs_of(p);
   mesh.triangles = triangles_of(p, mesh.positions.size());
-  p.find("S");  // tangents, for anisotropy only
+  if (p.has("S")) p.remark("S", "has tangents, which are not used: those of texture coordinates are");
   return add_mesh(std::move(mesh), p, at);
 }
 
@@ -280,9 +285,14 @@ Status Shapes::add_patches(const Parameters& p, const ShapePlacement& at) {
   const std::vector<Vec3> positions = p.vectors("P");
   std::vector<Vec3> normals = p.vectors("N");
   std::vector<Vec2> uvs = uvs_of(p);
-  if (normals.size() != positions.size()) normals.clear();
-  if (uvs.size() != positions.size()) uvs.clear();
-  std::vector<std::int32_t> indices = p.integers("indices");
+  const auto drop_incomplete = [&](auto& list, std::string_view name) {
+    if (list.empty() || list.size() == positions.size()) return;
+    p.remark(name, "has not one value for each vertex; it is ignored");
+    list.clear();
+  };
+  drop_incomplete(normals, "N");
+  drop_incomplete(uvs, p.has("uv") ? "uv" : "st");
+  std::vector<std::int32_t> indices = p.integers("indices", 4);
   if (indices.empty() && positions.size() == 4) indices = {0, 1, 2, 3};
   std::vector<std::array<std::uint32_t, 4>> patches;
   for (std::size_t i = 0; i + 4 <= indices.size(); i += 4) {
@@ -318,7 +328,7 @@ Status Shapes::add_curve(const Parameters& p, const ShapePlacement& at) {
   for (float& radius : strands->radii) radius *= growth;
   for (Vec3& normal : strands->normals) normal = transform.normal(normal);
   return builder_.add_curves({std::move(*strands), **material}, shape_name(p, "curves"), at.object,
-                             *p.place().file);
+                             file_place(p.place()));
 }
 
 Status Shapes::add_subdivision(const Parameters& p, const ShapePlacement& at) {
@@ -330,11 +340,8 @@ Status Shapes::add_subdivision(const Parameters& p, const ShapePlacement& at) {
     return {};
   }
   p.find("scheme");
-  int levels = p.integer("levels", p.integer("nlevels", 3));
-  if (levels > kMaxSubdivisionLevels)
-    report_.warn(p.place(),
-                 fmt::format("subdivision surfaces are divided at most {} times", kMaxSubdivisionLevels));
-  levels = std::clamp(levels, 0, kMaxSubdivisionLevels);
+  const char* given = p.has("nlevels") && !p.has("levels") ? "nlevels" : "levels";
+  const int levels = p.integer_in(given, 3, 0, kMaxSubdivisionLevels);
   const std::uint64_t triangles = std::uint64_t{control.triangles.size()} << (2 * levels);
   if (auto fits = builder_.check_triangles(*p.place().file, triangles); !fits) return fits;
   return add_mesh(subdivide(control, levels), p, at);

@@ -21,7 +21,7 @@ Result<std::optional<std::uint32_t>> Surfaces::material(const Surface& surface, 
                                                         const Place& place) {
   const bool is_null = std::holds_alternative<Null>(materials_.at(surface.material).model);
   if (is_null && !surface.light && !surface.media.changes_medium()) return std::nullopt;
-  const double power_area = surface.light && surface.light->power ? area : 0;
+  const double power_area = surface.light && surface.light->power && area > 0 ? area : 0;
   const Key key(surface.material, surface.light.get(), surface.alpha.get(), surface.media.interior,
                 surface.media.exterior, power_area);
   const auto known = made_.find(key);

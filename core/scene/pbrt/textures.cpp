@@ -12,6 +12,11 @@ namespace tessera::core::pbrt {
 namespace {
 
 constexpr Rgb kUnknownColor{0.5f, 0.5f, 0.5f};
+constexpr float kMaxTiling = 1e6f;
+
+bool is_color_type(std::string_view type) {
+  return type == "rgb" || type == "color" || type == "xyz" || type == "spectrum" || type == "blackbody";
+}
 
 bool has_ending(std::string_view name, std::string_view ending) {
   return name.size() >= ending.size() &&
@@ -30,9 +35,16 @@ Encoding encoding_of(const Parameters& p, std::string_view file) {
   if (!has_ending(file, ".png")) return {};
   if (name == "linear") return {ColorSpace::kLinear, 1};
   constexpr std::string_view kGamma = "gamma ";
-  if (!std::string_view(name).starts_with(kGamma)) return {};
+  if (!std::string_view(name).starts_with(kGamma)) {
+    p.choice("encoding", "sRGB", {"sRGB", "linear"});
+    return {};
+  }
+  constexpr float kDefaultGamma = 2.2f, kLeastGamma = 0.1f, kMostGamma = 10;
   const auto gamma = parse_number(std::string_view(name).substr(kGamma.size()));
-  return {ColorSpace::kLinear, std::clamp(gamma.value_or(2.2f), 0.1f, 10.0f)};
+  if (gamma && *gamma >= kLeastGamma && *gamma <= kMostGamma) return {ColorSpace::kLinear, *gamma};
+  p.remark("encoding",
+           fmt::format("has no gamma from {} to {}; {} is used", kLeastGamma, kMostGamma, kDefaultGamma));
+  return {ColorSpace::kLinear, kDefaultGamma};
 }
 
 bool is_gray(const TextureImage& image) {
@@ -60,8 +72,12 @@ Status Textures::define(const std::string& name, const std::string& type, const 
   if (!texture) return fail(texture.error());
   if (*texture == nullptr)
     return report_.error(p.place(), fmt::format("the texture {} refers to too many others", in_quotes(name)));
-  report_.warn_unused(p, fmt::format("the texture '{}'", kind));
-  (is_number ? numbers_ : spectra_)[name] = *texture;
+  report_.tell(p, fmt::format("the texture '{}'", kind));
+  auto& textures = is_number ? numbers_ : spectra_;
+  if (!textures.insert_or_assign(name, *texture).second)
+    report_.warn(
+        p.place(), "another texture",
+        fmt::format("there is a texture {} already; this one replaces it from here on", in_quotes(name)));
   return {};
 }
 
@@ -128,7 +144,7 @@ Result<TexturePtr> Textures::image(const Parameters& p, const std::string& file,
   const Encoding encoding = encoding_of(p, file);
   ImageNode node;
   node.mapping = mapping(p);
-  const std::string wrap = p.text("wrap", "repeat");
+  const std::string wrap = p.choice("wrap", "repeat", {"repeat", "clamp", "black"});
   node.wrap = wrap == "repeat" ? Wrap::kRepeat : Wrap::kClamp;
   node.black_outside = wrap == "black";
   if (is_number) {
@@ -159,7 +175,7 @@ UvMapping Textures::mapping(const Parameters& p) {
                              in_quotes(kind)));
   }
   const auto finite = [&](std::string_view name, float otherwise) {
-    return std::clamp(p.number(name, otherwise), -1e6f, 1e6f);
+    return p.number_in(name, otherwise, -kMaxTiling, kMaxTiling);
   };
   return {{finite("uscale", 1), finite("vscale", 1)}, {finite("udelta", 0), finite("vdelta", 0)}};
 }
@@ -195,8 +211,12 @@ TexturePtr Textures::number(const Parameters& p, std::string_view name) {
   const Parameter* parameter = p.find(name);
   if (parameter == nullptr) return nullptr;
   if (parameter->type == "texture") return named(p, *parameter, Kind::kNumber);
-  if (const auto number = p.number(name)) return constant_texture(Rgb::gray(*number));
-  return constant_texture(Rgb::gray(mean(colors_.color(p, *parameter, SpectrumRole::kUnbounded))));
+  if (is_color_type(parameter->type)) {
+    p.remark(name, "is a colour, and a number is expected; its mean is used");
+    return constant_texture(Rgb::gray(mean(colors_.color(p, *parameter, SpectrumRole::kUnbounded))));
+  }
+  const auto value = p.number(name);
+  return value ? constant_texture(Rgb::gray(*value)) : nullptr;
 }
 
 // Names of the other type are found, too.

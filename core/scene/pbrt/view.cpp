@@ -14,7 +14,13 @@ namespace tessera::core::pbrt {
 namespace {
 
 constexpr int kDefaultWidthPx = 1280, kDefaultHeightPx = 720, kDefaultSpp = 16, kDefaultMaxDepth = 5;
-constexpr float kMaxDistance = 1e15f;
+constexpr float kMaxDistance = 1e15f, kMaxWhiteBalanceK = 1e6f;
+
+// May be out of range.
+float shutter_seconds(const ViewDirectives& directives) {
+  const float close = directives.camera ? directives.camera->parameters.number("shutterclose", 1) : 1;
+  return close - shutter_open_s(directives);
+}
 
 class ViewConverter {
  public:
@@ -34,6 +40,7 @@ class ViewConverter {
   float tangent_of(const std::string& kind, const Parameters& p) const;
   void convert_lens(const Parameters& p, float world_scale, CameraDescription& camera);
   Exposure exposure() const;
+  void tell_all() const;
 
   // The camera's window on the plane at distance 1 (perspective) or in its own units (orthographic).
   struct Screen {
@@ -62,7 +69,21 @@ Exposure ViewConverter::convert() {
   convert_sampler();
   convert_integrator();
   convert_camera();
-  return exposure();
+  const Exposure made = exposure();
+  tell_all();
+  return made;
+}
+
+// At the end: the exposure depends on the film and the camera.
+void ViewConverter::tell_all() const {
+  const auto tell = [&](const std::optional<KindAndParameters>& directive, std::string_view owner) {
+    if (directive) report_.tell(directive->parameters, owner);
+  };
+  tell(directives_.film, "the film");
+  tell(directives_.filter, "the pixel filter");
+  tell(directives_.sampler, "the sampler");
+  tell(directives_.integrator, "the integrator");
+  tell(directives_.camera, "the camera");
 }
 
 void ViewConverter::convert_film() {
@@ -73,26 +94,26 @@ void ViewConverter::convert_film() {
   if (kind != "rgb" && kind != "image")
     report_.warn(p.place(), fmt::format("the film {} is not supported; an image of colours is rendered",
                                         in_quotes(kind)));
-  settings_.width_px = std::clamp(p.integer("xresolution", kDefaultWidthPx), 1, kMaxImageSidePx);
-  settings_.height_px = std::clamp(p.integer("yresolution", kDefaultHeightPx), 1, kMaxImageSidePx);
+  settings_.width_px = p.integer_in("xresolution", kDefaultWidthPx, 1, kMaxImageSidePx);
+  settings_.height_px = p.integer_in("yresolution", kDefaultHeightPx, 1, kMaxImageSidePx);
   convert_crop(p);
   // The name and the format of the output are those of the command line; the diagonal is that of lens files.
   for (const char* known :
        {"filename", "savefp16", "diagonal", "iso", "exposuretime", "whitebalance", "sensor"})
     p.find(known);
-  report_.warn_unused(p, "the film");
 }
 
 void ViewConverter::convert_crop(const Parameters& p) {
   const auto clamped = [](double value, int limit) {
     return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(limit)));
   };
+  const auto pixel = [&](float value, int limit) { return clamped(static_cast<double>(value), limit); };
   const int width = settings_.width_px, height = settings_.height_px;
   PixelRect crop{0, 0, width, height};
-  if (const auto bounds = p.integers("pixelbounds"); bounds.size() == 4)
-    crop = {clamped(bounds[0], width), clamped(bounds[2], height), clamped(bounds[1], width),
-            clamped(bounds[3], height)};
-  if (const auto window = p.numbers("cropwindow"); window.size() == 4) {
+  if (const auto bounds = p.four_numbers("pixelbounds"); !bounds.empty())
+    crop = {pixel(bounds[0], width), pixel(bounds[2], height), pixel(bounds[1], width),
+            pixel(bounds[3], height)};
+  if (const auto window = p.four_numbers("cropwindow"); !window.empty()) {
     const auto at = [&](float a, int side) {
       return clamped(std::ceil(static_cast<double>(a) * side), side);
     };
@@ -113,12 +134,14 @@ Exposure ViewConverter::exposure() const {
   const Parameters &film = parameters_of(directives_.film, none),
                    &camera = parameters_of(directives_.camera, none);
   const float shutter_s = camera.number("shutterclose", 1) - camera.number("shutteropen", 0);
-  const float time_s = film.number("exposuretime", shutter_s > 0 ? shutter_s : 1);
-  const float ratio = time_s * film.number("iso", 100) / 100;
+  if (!(shutter_s > 0))
+    camera.remark("shutterclose", "must be after \"shutteropen\"; the exposure is that of one second");
+  const float time_s = film.positive("exposuretime").value_or(shutter_s > 0 ? shutter_s : 1);
+  const float ratio = time_s * film.positive("iso").value_or(100) / 100;
   Exposure exposure;
   if (std::isfinite(ratio) && ratio > 0) exposure.imaging_ratio = ratio;
   const std::string sensor = film.text("sensor", "cie1931");
-  float kelvin = film.number("whitebalance", 0);
+  float kelvin = film.number_in("whitebalance", 0, 0, kMaxWhiteBalanceK);
   if (sensor != "cie1931") {
     report_.warn(film.place(), fmt::format("the sensor {} is not supported; the CIE 1931 observer is used",
                                            in_quotes(sensor)));
@@ -147,19 +170,21 @@ void ViewConverter::convert_filter() {
     for (const Parameter& parameter : p.list()) p.find(parameter.name);
     return;
   }
-  const float x = p.number("xradius", otherwise), y = p.number("yradius", otherwise);
+  const float x = p.positive("xradius").value_or(otherwise), y = p.positive("yradius").value_or(otherwise);
   float radius = (x + y) / 2;
   if (x != y) report_.warn(p.place(), "a pixel filter of two radii is not supported; their mean is used");
   if (kind == "gaussian") {
     // Ours ends at three standard deviations.
-    const float sigma = p.number("sigma", 0.5f);
-    p.find("alpha");
+    const float sigma = p.positive("sigma").value_or(0.5f);
+    if (p.has("alpha")) p.remark("alpha", "is that of pbrt-v3; \"sigma\" is used instead");
     if (std::fabs(3 * sigma - radius) > 0.01f)
       report_.warn(p.place(), "a Gaussian pixel filter is cut off at three standard deviations");
     radius = 3 * sigma;
   }
-  if (radius > 0 && std::isfinite(radius)) settings_.filter.radius_px = std::min(radius, kMaxFilterRadiusPx);
-  report_.warn_unused(p, "the pixel filter");
+  if (radius > kMaxFilterRadiusPx)
+    report_.warn(p.place(),
+                 fmt::format("the radius of the pixel filter is limited to {}", kMaxFilterRadiusPx));
+  settings_.filter.radius_px = std::min(radius, kMaxFilterRadiusPx);
 }
 
 // All samplers have the same mean; only the number of samples counts.
@@ -167,12 +192,20 @@ void ViewConverter::convert_sampler() {
   settings_.spp = kDefaultSpp;
   if (!directives_.sampler) return;
   const auto& [kind, p] = *directives_.sampler;
-  int samples = p.integer("pixelsamples", kDefaultSpp);
+  constexpr std::string_view kKnown[] = {"halton",     "independent",    "paddedsobol", "sobol",
+                                         "stratified", "zsobol",         "pmj02bn",     "random",
+                                         "02sequence", "lowdiscrepancy", "maxmindist"};
+  if (std::find(std::begin(kKnown), std::end(kKnown), kind) == std::end(kKnown))
+    report_.warn(p.place(),
+                 fmt::format("the sampler {} is not known; Sobol' points are used", in_quotes(kind)));
+  constexpr int kMaxCount = static_cast<int>(kMaxSpp), kMaxStrata = 4096;
+  int samples = p.integer_in("pixelsamples", kDefaultSpp, 1, kMaxCount);
   if (kind == "stratified" && (p.has("xsamples") || p.has("ysamples") || !p.has("pixelsamples")))
-    samples = std::clamp(p.integer("xsamples", 4), 1, 4096) * std::clamp(p.integer("ysamples", 4), 1, 4096);
-  settings_.spp = static_cast<std::uint32_t>(std::clamp(samples, 1, static_cast<int>(kMaxSpp)));
+    samples = p.integer_in("xsamples", 4, 1, kMaxStrata) * p.integer_in("ysamples", 4, 1, kMaxStrata);
+  if (samples > kMaxCount)
+    report_.warn(p.place(), fmt::format("there are at most {} samples per pixel", kMaxCount));
+  settings_.spp = static_cast<std::uint32_t>(std::min(samples, kMaxCount));
   for (const char* known : {"randomization", "jitter", "seed", "dimensions"}) p.find(known);
-  report_.warn_unused(p, "the sampler");
 }
 
 // pbrt's "maxdepth" is the number of segments after the camera ray, as ours.
@@ -188,6 +221,7 @@ void ViewConverter::convert_integrator() {
   const int depth = p.integer("maxdepth", kDefaultMaxDepth);
   if (depth <= 0)
     report_.warn(p.place(), "a maximum depth of 0 shows emission alone; direct light is rendered, too");
+  if (depth > kMaxDepth) p.remark("maxdepth", fmt::format("is limited to {}", kMaxDepth));
   settings_.max_depth = std::clamp(depth, 1, kMaxDepth);
   if (p.boolean("regularize", false))
     report_.warn(p.place(), "the regularisation of paths is not supported; it is ignored");
@@ -198,14 +232,13 @@ void ViewConverter::convert_integrator() {
         "photonsperiteration", "radius", "seed", "visualizestrategies", "visualizeweights", "pixelbounds",
         "numiterations", "imagewritefrequency"})
     p.find(known);
-  report_.warn_unused(p, "the integrator");
 }
 
 // The default window has the sides -1 and 1 along the shorter axis of the frame.
 ViewConverter::Screen ViewConverter::screen(const Parameters& p) const {
-  const float frame = p.number("frameaspectratio", aspect());
+  const float frame = p.positive("frameaspectratio").value_or(aspect());
   Screen screen = frame > 1 ? Screen{-frame, frame, -1, 1} : Screen{-1, 1, -1 / frame, 1 / frame};
-  if (const auto window = p.numbers("screenwindow"); window.size() == 4)
+  if (const auto window = p.four_numbers("screenwindow"); !window.empty())
     screen = {window[0], window[1], window[2], window[3]};
   const bool is_sound = screen.right > screen.left && screen.top > screen.bottom &&
                         std::isfinite(screen.right - screen.left) &&
@@ -221,31 +254,46 @@ ViewConverter::Screen ViewConverter::screen(const Parameters& p) const {
 }
 
 // The offset of the window's centre, in its widths and heights.
-Vec2 shift_of(float left, float right, float bottom, float top) {
-  const auto limited = [](float shift) { return std::clamp(shift, -kMaxLensShift, kMaxLensShift); };
+Vec2 shift_of(const Parameters& p, float left, float right, float bottom, float top) {
+  const auto limited = [&](float shift) {
+    if (std::fabs(shift) > kMaxLensShift)
+      p.remark("screenwindow",
+               fmt::format("is too far from the axis; its centre is moved to {} widths or heights",
+                           kMaxLensShift));
+    return std::clamp(shift, -kMaxLensShift, kMaxLensShift);
+  };
   return {limited((left + right) / 2 / (right - left)), limited((bottom + top) / 2 / (top - bottom))};
 }
 
 // Lengths of the camera are in its own space.
 void ViewConverter::convert_lens(const Parameters& p, float world_scale, CameraDescription& camera) {
-  const float radius = p.number("lensradius", 0), focus = p.number("focaldistance", 1e6f);
+  const float radius = p.number_in("lensradius", 0, 0, kMaxDistance),
+              focus = p.number_in("focaldistance", 1e6f, 1e-20f, kMaxDistance);
   camera.aperture_radius = std::clamp(radius * world_scale, 0.0f, kMaxDistance);
   camera.focus_distance = std::clamp(focus * world_scale, 1e-20f, kMaxDistance);
 }
 
+constexpr float kNarrowestFov = 0.01f, kWidestFov = 179.9f;
+
 float tan_half(float degrees) {
-  const SinCos half = sin_cos_turns(std::clamp(degrees, 0.01f, 179.9f) / 720);
+  const SinCos half = sin_cos_turns(degrees / 720);
   return half.sin / half.cos;
+}
+
+// Half of the field of view came from pbrt-v2.
+float fov_of(const Parameters& p) {
+  if (p.has("halffov") && !p.has("fov"))
+    return 2 * p.number_in("halffov", 45, kNarrowestFov / 2, kWidestFov / 2);
+  return p.number_in("fov", 90, kNarrowestFov, kWidestFov);
 }
 
 // The tangent of half the field of view along the shorter axis.
 float ViewConverter::tangent_of(const std::string& kind, const Parameters& p) const {
-  if (kind == "perspective")
-    return tan_half(p.number("fov", p.has("halffov") ? 2 * p.number("halffov", 45) : 90));
+  if (kind == "perspective") return tan_half(fov_of(p));
   if (kind != "realistic") {
     report_.warn(p.place(),
                  fmt::format("the camera {} is not known; a perspective one is used", in_quotes(kind)));
-    return tan_half(p.number("fov", 90));
+    return tan_half(fov_of(p));
   }
   report_.warn(p.place(),
                "the camera 'realistic' is approximated by a perspective camera with a lens of 50 mm");
@@ -289,11 +337,12 @@ void ViewConverter::convert_camera() {
     const Screen window = screen(p);
     camera.type = CameraType::kOrthographic;
     camera.view_height = (window.top - window.bottom) * length(up);
-    camera.lens_shift = shift_of(window.left, window.right, window.bottom, window.top);
+    camera.lens_shift = shift_of(p, window.left, window.right, window.bottom, window.top);
     convert_lens(p, world_scale, camera);
   } else if (kind == "spherical" || kind == "environment") {
     camera.type = CameraType::kPanoramic;
-    if (p.text("mapping", kind == "spherical" ? "equalarea" : "equirectangular") != "equirectangular")
+    if (p.choice("mapping", kind == "spherical" ? "equalarea" : "equirectangular",
+                 {"equalarea", "equirectangular"}) != "equirectangular")
       report_.warn(p.place(),
                    "the equal-area mapping of a spherical camera is not supported; it is equirectangular");
     p.find("lensradius"), p.find("focaldistance"), p.find("frameaspectratio"), p.find("screenwindow");
@@ -302,11 +351,13 @@ void ViewConverter::convert_camera() {
     const Screen window = screen(p);
     const float half_height = tangent * (window.top - window.bottom) / 2;
     camera.vertical_fov_degrees = std::clamp(2 * atan2(half_height, 1.0f) * (180 / kPi), 1e-3f, 179.9f);
-    camera.lens_shift = shift_of(window.left, window.right, window.bottom, window.top);
+    camera.lens_shift = shift_of(p, window.left, window.right, window.bottom, window.top);
     convert_lens(p, world_scale, camera);
   }
   p.find("shutteropen"), p.find("shutterclose");
-  report_.warn_unused(p, "the camera");
+  if (shutter_seconds(directives_) > kMaxShutterFrames)
+    p.remark("shutterclose",
+             fmt::format("is limited to {} seconds after \"shutteropen\"", kMaxShutterFrames));
   builder_.set_camera(camera);
   if (is_animated(builder_.scene().animation.camera)) open_shutter(directives_, builder_);
 }
@@ -318,9 +369,7 @@ float shutter_open_s(const ViewDirectives& directives) {
 }
 
 void open_shutter(const ViewDirectives& directives, SceneBuilder& builder) {
-  const float open = shutter_open_s(directives);
-  const float close = directives.camera ? directives.camera->parameters.number("shutterclose", 1) : 1;
-  builder.scene().camera.shutter_close = std::clamp(close - open, 0.0f, kMaxShutterFrames);
+  builder.scene().camera.shutter_close = std::clamp(shutter_seconds(directives), 0.0f, kMaxShutterFrames);
 }
 
 Exposure convert_view(const ViewDirectives& directives, SceneBuilder& builder, const Report& report) {

@@ -173,6 +173,24 @@ TEST(PbrtDirectives, ActiveTransformMovesAShapeWhileTheShutterIsOpen) {
   expect_near(transform_at(motion.steps, 1).point({0, 1, 0}), {2, 0, 7}, 1e-5f);
 }
 
+TEST(PbrtDirectives, ALongExposureIsLimitedAndTold) {
+  const SceneDescription scene = pbrt_scene(
+      "Camera \"perspective\" \"float shutterclose\" 5000\nWorldBegin\n"
+      "ActiveTransform EndTime Translate 4 0 0 Shape \"sphere\"\n");
+  EXPECT_THAT(warnings_of(scene),
+              HasSubstr("1: the parameter 'shutterclose' of the camera is limited to 1000"));
+  EXPECT_EQ(scene.camera.shutter_close, 1000);
+}
+
+// What moves beside a camera that cannot be used is blurred all the same.
+TEST(PbrtDirectives, ACameraThatIsReplacedLeavesItsShutter) {
+  const SceneDescription scene = pbrt_scene(
+      "Translate 1e17 0 0 Camera \"perspective\" \"float shutterclose\" 0.5\nWorldBegin\n"
+      "ActiveTransform EndTime Translate 4 0 0 Shape \"sphere\"\n");
+  EXPECT_THAT(warnings_of(scene), HasSubstr("a camera that sees the whole scene replaces it"));
+  EXPECT_EQ(scene.camera.shutter_close, 0.5f);
+}
+
 TEST(PbrtDirectives, ActiveTransformMovesInstancesAndTheCamera) {
   const SceneDescription scene = pbrt_scene(
       "ActiveTransform EndTime Translate 0 0 -3 ActiveTransform All\nCamera \"perspective\"\nWorldBegin\n"

@@ -27,6 +27,11 @@ TEST(PbrtMaterials, Diffuse) {
             (Rgb{1, 0, 0.3f}));
 }
 
+TEST(PbrtMaterials, ShadingNormalsArePlain) {
+  EXPECT_EQ(pbrt_material("").shading_normals, ShadingNormals::kPlain);
+  EXPECT_EQ(pbrt_material("Material \"dielectric\"").shading_normals, ShadingNormals::kPlain);
+}
+
 TEST(PbrtMaterials, RoughnessIsRemappedByItsRoot) {
   // Our roughness is the root of alpha; alpha is the root of pbrt's roughness, or the roughness itself.
   EXPECT_NEAR(model_of<Glass>("Material \"dielectric\" \"float roughness\" 0.0625").roughness.value, 0.5,
@@ -75,6 +80,16 @@ TEST(PbrtMaterials, MetalsByNameIndexOrReflectance) {
   EXPECT_NEAR(reflected.r, 0.5, 1e-5);
   EXPECT_NEAR(reflected.g, 0.25, 1e-5);
   EXPECT_NEAR(reflected.b, 0, 1e-5);
+}
+
+TEST(PbrtMaterials, AreClampedToTheRangesOfSceneFiles) {
+  const auto metal = model_of<ConductorMaterial>(
+      "Material \"conductor\" \"rgb eta\" [0.2 0.9 1.1] \"rgb k\" [3.9 5000 2.1]");
+  EXPECT_EQ(metal.k.value, (Rgb{3.9f, 1000, 2.1f}));
+  EXPECT_GT(model_of<ConductorMaterial>("Material \"conductor\" \"rgb reflectance\" [1 1 1]").k.value.r, 100);
+  const auto scene =
+      pbrt_world("Material \"conductor\" \"rgb eta\" [0.2 0.9 1.1] \"rgb k\" [3.9 5000 2.1]" + kPbrtTriangle);
+  EXPECT_THAT(warnings_of(scene), HasSubstr("k is out of range; it is clamped"));
 }
 
 TEST(PbrtMaterials, GlassesByNameOrIndex) {
@@ -146,7 +161,10 @@ TEST(PbrtMaterials, Hair) {
 TEST(PbrtMaterials, WhatIsNotSupportedIsGray) {
   const SceneDescription scene =
       pbrt_world("Material \"measured\" \"string filename\" \"paint.bsdf\"\nShape \"sphere\"");
-  EXPECT_EQ(warnings_of(scene), "scene.pbrt:2: the material 'measured' is not supported; gray is used\n");
+  EXPECT_EQ(
+      warnings_of(scene),
+      "scene.pbrt:2: the material 'measured' is refused: the measured reflectance of 'paint.bsdf' cannot "
+      "be read; a gray diffuse material replaces it\n");
   EXPECT_THAT(warnings_of(pbrt_world("Material \"subsurface\" Shape \"sphere\"")),
               HasSubstr("subsurface scattering"));
   EXPECT_THAT(warnings_of(pbrt_world("NamedMaterial \"gone\" Shape \"sphere\"")),
