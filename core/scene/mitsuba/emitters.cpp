@@ -31,6 +31,8 @@ bool is_orthonormal(const Transform& t) {
   return same(t.x_axis, r.x_axis) && same(t.y_axis, r.y_axis) && same(t.z_axis, r.z_axis);
 }
 
+constexpr float kMaxScale = 1e30f;
+
 constexpr const char* kFlat = "has a 'to_world' that flattens its image; it is left out";
 
 // Images cannot be wider.
@@ -78,14 +80,14 @@ void EmitterConverter::add_point(const Plugin& emitter) {
   PointLightDescription light;
   light.position = emitter.vector("position").value_or(emitter.transform("to_world").origin);
   light.intensity = color(emitter, "intensity");
-  conversion_.builder.add_light(light);
+  conversion_.builder.add_light(light, emitter.place());
 }
 
 void EmitterConverter::add_spot(const Plugin& emitter) {
   const Transform to_world = emitter.transform("to_world");
   constexpr float kWidest = 90, kNarrowest = 0.01f;  // half angles, in degrees
-  const float cutoff = std::clamp(emitter.real("cutoff_angle", 20), kNarrowest, kWidest);
-  const float beam = std::clamp(emitter.real("beam_width", cutoff * 0.75f), 0.0f, cutoff);
+  const float cutoff = emitter.real_in("cutoff_angle", 20, kNarrowest, kWidest);
+  const float beam = emitter.real_in("beam_width", cutoff * 0.75f, 0, cutoff);
   SpotLightDescription light;
   light.position = to_world.origin;
   light.look_at = to_world.origin + normalize(to_world.z_axis);
@@ -102,7 +104,7 @@ void EmitterConverter::add_spot(const Plugin& emitter) {
                    normalize(to_world.y_axis) * half_width, false};
   }
   if (!has_area(light.image)) return emitter.warn(kFlat);
-  conversion_.builder.add_light(light);
+  conversion_.builder.add_light(light, emitter.place());
 }
 
 // The image is mirrored, as that of a camera. Its texels are irradiances of a plane at a distance of 1, over
@@ -125,12 +127,12 @@ void EmitterConverter::add_projector(const Plugin& emitter) {
   SpotLightDescription light;
   light.position = to_world.origin;
   light.look_at = to_world.origin + normalize(to_world.z_axis);
-  light.intensity = irradiance.value * (kPi * std::max(emitter.real("scale", 1), 0.0f));
+  light.intensity = irradiance.value * (kPi * emitter.real_in("scale", 1, 0, kMaxScale));
   light.angle_degrees = std::min(2 * half_angle * kMargin, 180.0f);
   light.softness = 0;
   light.image = {texture, normalize(to_world.x_axis) * -across, normalize(to_world.y_axis) * -upward, true};
   if (!has_area(light.image)) return emitter.warn(kFlat);
-  conversion_.builder.add_light(light);
+  conversion_.builder.add_light(light, emitter.place());
 }
 
 void EmitterConverter::add_directional(const Plugin& emitter) {
@@ -141,12 +143,13 @@ void EmitterConverter::add_directional(const Plugin& emitter) {
     emitter.warn("its direction is 0; it is left out");
     return;
   }
-  conversion_.builder.add_light(light);
+  conversion_.builder.add_light(light, emitter.place());
 }
 
 void EmitterConverter::set_constant(const Plugin& emitter, bool hide) {
   EnvironmentDescription environment;
   environment.radiance = {color(emitter, "radiance"), -1};
+  if (is_black(environment.radiance.value)) emitter.warn("emits no light");
   set_environment(emitter, std::move(environment), hide);
 }
 
@@ -154,7 +157,7 @@ void EmitterConverter::set_constant(const Plugin& emitter, bool hide) {
 void EmitterConverter::set_image(const Plugin& emitter, bool hide) {
   emitter.ignore({"mis_compensation"});
   const auto image = textures_.environment_image(emitter);
-  const float scale = std::max(emitter.real("scale", 1), 0.0f);
+  const float scale = emitter.real_in("scale", 1, 0, kMaxScale);
   Transform to_world = emitter.transform("to_world");
   if (!image) return;
   if (!is_orthonormal(to_world)) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/suggestion.hpp"
+#include "core/materials/directional_albedo.hpp"
 #include "core/scene/mitsuba/refraction.hpp"
 
 namespace tessera::core::mitsuba {
@@ -22,6 +23,7 @@ Surface one_sided(const Plugin& bsdf, MaterialModel model) {
   surface.material.name = bsdf.name();
   surface.material.model = std::move(model);
   surface.material.two_sided = false;
+  surface.material.shading_normals = ShadingNormals::kPlain;
   return surface;
 }
 
@@ -36,16 +38,12 @@ float index_of_specular(float specular) {
   return 2 / (1 - std::sqrt(0.08f * std::clamp(specular, 0.0f, 1.0f))) - 1;
 }
 
-Rgb square_root(Rgb c) {
-  const auto root = [](float channel) { return std::sqrt(std::max(channel, 0.0f)); };
-  return {root(c.r), root(c.g), root(c.b)};
-}
-
 // Of a shape without a BSDF. Lamps are black.
 Surface default_surface(bool emits) {
   Surface surface;
   surface.material.model = Lambert{{Rgb::gray(emits ? 0.0f : 0.5f), -1}};
   surface.material.two_sided = false;
+  surface.material.shading_normals = ShadingNormals::kPlain;
   return surface;
 }
 
@@ -56,18 +54,15 @@ void ignore_shadowing(const Plugin& bsdf) {
     bsdf.warn("tilted normals do not darken the surface, as 'use_shadowing_function' does");
 }
 
-// A constant limited to [0, 1]; textures are limited where they are looked up.
-ScalarParameter in_unit(ScalarParameter parameter) {
-  if (parameter.texture < 0) parameter.value = std::clamp(parameter.value, 0.0f, 1.0f);
+// A constant limited to [0, 1], with a warning; textures are limited where they are looked up.
+ScalarParameter in_unit(const Plugin& bsdf, std::string_view name, ScalarParameter parameter) {
+  if (parameter.texture >= 0) return parameter;
+  const float given = parameter.value;
+  parameter.value = std::clamp(given, 0.0f, 1.0f);
+  if (parameter.value != given)
+    bsdf.warn(fmt::format("range of {}", name),
+              fmt::format("'{}' must be from 0 to 1; {:g} is used", name, parameter.value));
   return parameter;
-}
-
-// White, tinted towards a colour of luminance 1.
-Rgb tinted(Rgb color, float tint) {
-  const float brightness = luminance(color);
-  if (!(brightness > 0)) return Rgb::gray(1);
-  const auto mix = [&](float channel) { return std::min(1 + tint * (channel / brightness - 1), 1.0f); };
-  return {mix(color.r), mix(color.g), mix(color.b)};
 }
 
 }  // namespace
@@ -159,17 +154,17 @@ Surface MaterialConverter::thin_dielectric(const Plugin& bsdf, const TextureSite
 Surface MaterialConverter::hair(const Plugin& bsdf, const TextureSite& site) {
   constexpr float kMaxMelanin = 1000, kMaxAbsorption = 100;  // more makes no light visible
   Hair model;
-  model.eumelanin = std::clamp(bsdf.real("eumelanin", 1.3f), 0.0f, kMaxMelanin);
-  model.pheomelanin = std::clamp(bsdf.real("pheomelanin", 0.2f), 0.0f, kMaxMelanin);
-  model.beta_m = std::clamp(bsdf.real("longitudinal_roughness", 0.3f), 0.0f, 1.0f);
-  model.beta_n = std::clamp(bsdf.real("azimuthal_roughness", 0.3f), 0.0f, 1.0f);
-  model.tilt_degrees = std::clamp(bsdf.real("scale_tilt", 2), -kMaxHairTiltDegrees, kMaxHairTiltDegrees);
+  model.eumelanin = bsdf.real_in("eumelanin", 1.3f, 0, kMaxMelanin);
+  model.pheomelanin = bsdf.real_in("pheomelanin", 0.2f, 0, kMaxMelanin);
+  model.beta_m = bsdf.real_in("longitudinal_roughness", 0.3f, 0, 1);
+  model.beta_n = bsdf.real_in("azimuthal_roughness", 0.3f, 0, 1);
+  model.tilt_degrees = bsdf.real_in("scale_tilt", 2, -kMaxHairTiltDegrees, kMaxHairTiltDegrees);
   model.ior = boundary_of(bsdf, "amber").ratio;
-  const float scale = bsdf.real("scale", 1);
+  const float scale = bsdf.real_in("scale", 1, 0, kUnbounded);
   if (bsdf.has("sigma_a")) {
     model.pigment = HairPigment::kAbsorption;
     model.sigma_a = textures_.color(bsdf, "sigma_a", Rgb{}, site, kUnbounded);
-    const Rgb scaled = model.sigma_a.value * std::max(scale, 0.0f);
+    const Rgb scaled = model.sigma_a.value * scale;
     const auto limited = [most = kMaxAbsorption](float a) { return std::min(a, most); };
     model.sigma_a.value = {limited(scaled.r), limited(scaled.g), limited(scaled.b)};
   }
@@ -202,6 +197,28 @@ ComplexIndex MaterialConverter::metal(const Plugin& bsdf) {
   return known.value_or(complex_index(Conductor::kAluminium));
 }
 
+namespace {
+
+// Mitsuba's mean internal reflectance of rough plastic over ours. It weighs 64 cosines from 0 to 1 equally,
+// both ends included, which is less than the integral.
+float internal_reflection(const Plastic& plastic) {
+  constexpr int kCosines = 64;
+  const float alpha = std::max(plastic.roughness.value * plastic.roughness.value, kMinAlpha);
+  const float eta = plastic.ior.value;
+  if (plastic.roughness.texture >= 0 || eta == 1) return 1;
+  float sum = 0;
+  for (int i = 1; i < kCosines; ++i) {
+    const float cosine = static_cast<float>(i) / (kCosines - 1);
+    sum += 2 * cosine * single_reflection(plastic.microfacets, alpha, cosine, 1 / eta);
+  }
+  const DirectionalAlbedo& tables = DirectionalAlbedo::tables(plastic.microfacets);
+  const float ours =
+      tables.mean_scattered_inside(alpha, eta) - tables.mean_transmitted(alpha, eta) / (eta * eta);
+  return std::clamp(sum / kCosines / ours, 0.0f, 1.0f);
+}
+
+}  // namespace
+
 Surface MaterialConverter::plastic(const Plugin& bsdf, const TextureSite& site, bool is_rough) {
   Plastic plastic;
   const Boundary boundary = boundary_of(bsdf, "polypropylene");
@@ -214,6 +231,7 @@ Surface MaterialConverter::plastic(const Plugin& bsdf, const TextureSite& site, 
     plastic.roughness = rough.roughness;
     plastic.microfacets = rough.microfacets;
     plastic.compensated = false;
+    plastic.internal_reflection = internal_reflection(plastic);
     if (rough.anisotropy.value != 0) bsdf.warn("the anisotropy is left out");
   }
   return one_sided(bsdf, plastic);
@@ -235,14 +253,16 @@ MaterialConverter::Roughness MaterialConverter::roughness(const Plugin& bsdf, co
   bsdf.ignore({"sample_visible"});
   const MicrofacetKind kind = microfacets(bsdf);
   if (!bsdf.has("alpha_u") && !bsdf.has("alpha_v"))
-    return {in_unit(textures_.scalar(bsdf, "alpha", 0.1f, site, TexelMap::kSquareRoot)), 0, kind};
+    return {in_unit(bsdf, "alpha", textures_.scalar(bsdf, "alpha", 0.1f, site, TexelMap::kSquareRoot)), 0,
+            kind};
   const ScalarParameter of_u = textures_.scalar(bsdf, "alpha_u", 0.1f, site);
   const ScalarParameter of_v = textures_.scalar(bsdf, "alpha_v", 0.1f, site);
   if (of_u.texture >= 0 || of_v.texture >= 0) {
     bsdf.warn("'alpha_u' is used for both directions, because the alphas have textures");
-    return {in_unit(textures_.scalar(bsdf, "alpha_u", 0.1f, site, TexelMap::kSquareRoot)), 0, kind};
+    return {in_unit(bsdf, "alpha_u", textures_.scalar(bsdf, "alpha_u", 0.1f, site, TexelMap::kSquareRoot)), 0,
+            kind};
   }
-  const float u = std::max(of_u.value, 0.0f), v = std::max(of_v.value, 0.0f);
+  const float u = in_unit(bsdf, "alpha_u", of_u).value, v = in_unit(bsdf, "alpha_v", of_v).value;
   if (u < v || u == 0) {
     if (u != v) bsdf.warn("the anisotropy is left out, because 'alpha_v' is larger than 'alpha_u'");
     return {std::min(std::sqrt(std::sqrt(u * v)), 1.0f), 0, kind};
@@ -250,38 +270,40 @@ MaterialConverter::Roughness MaterialConverter::roughness(const Plugin& bsdf, co
   return {std::min(std::sqrt(std::sqrt((u * u + v * v) / 2)), 1.0f), 1 - v / u, kind};
 }
 
-// Burley's model (2012, 2015) in the terms of OpenPBR 1.1, which also layers energy: diffuse reflection under
-// a dielectric is darker.
+// Both are Disney's model in Mitsuba, too. The diffuse transmission of the sheet goes up to 2.
 Surface MaterialConverter::principled(const Plugin& bsdf, const TextureSite& site, bool is_thin) {
-  bsdf.warn("is approximated by OpenPBR's model, which has other diffuse, sheen and clearcoat lobes");
   bsdf.ignore({"main_specular_sampling_rate", "clearcoat_sampling_rate", "diffuse_reflectance_sampling_rate",
                "spec_reflect_sampling_rate", "spec_trans_sampling_rate", "diffuse_trans_sampling_rate"});
-  Principled model;
+  const auto share = [&](const char* name, float otherwise) {
+    return in_unit(bsdf, name, textures_.scalar(bsdf, name, otherwise, site));
+  };
+  Disney model;
   model.base_color = textures_.color(bsdf, "base_color", Rgb::gray(0.5f), site);
-  model.base_metalness = in_unit(textures_.scalar(bsdf, "metallic", 0, site));
-  model.specular_roughness = in_unit(textures_.scalar(bsdf, "roughness", 0.5f, site));
-  model.specular_roughness_anisotropy = in_unit(textures_.scalar(bsdf, "anisotropic", 0, site));
-  model.specular_roughness_anisotropy.value *= 0.9f;
-  model.specular_ior =
-      std::clamp(bsdf.real("eta", index_of_specular(bsdf.real("specular", 0.5f))), 1.0f, kMaxIor);
-  const float tint = textures_.scalar(bsdf, "spec_tint", 0, site).value;
-  model.specular_color.value = tinted(model.base_color.value, tint);
-  model.transmission_weight = in_unit(textures_.scalar(bsdf, "spec_trans", 0, site));
-  model.transmission_color = model.base_color;
-  model.transmission_color.value = square_root(model.base_color.value);
-  model.coat_weight = in_unit(textures_.scalar(bsdf, "clearcoat", 0, site));
-  model.coat_weight.value *= 0.25f;
-  const float gloss = std::clamp(textures_.scalar(bsdf, "clearcoat_gloss", 0, site).value, 0.0f, 1.0f);
-  model.coat_roughness = std::sqrt(0.1f + (0.001f - 0.1f) * gloss);
-  model.coat_ior = 1.5f;
-  model.coat_darkening = 0;
-  model.fuzz_weight = in_unit(textures_.scalar(bsdf, "sheen", 0, site));
-  model.fuzz_weight.value *= 0.1f;  // about as bright at grazing angles
-  model.fuzz_color.value =
-      tinted(model.base_color.value, textures_.scalar(bsdf, "sheen_tint", 0, site).value);
-  model.geometry_thin_walled = is_thin;
-  const bool transmits = is_thin || model.transmission_weight.value > 0;
-  return transmits ? open(bsdf, model) : one_sided(bsdf, model);
+  model.roughness = share("roughness", 0.5f);
+  model.anisotropic = share("anisotropic", 0);
+  model.specular_tint = share("spec_tint", 0);
+  model.specular_transmission = share("spec_trans", 0);
+  model.flatness = share("flatness", 0);
+  model.sheen = share("sheen", 0);
+  model.sheen_tint = share("sheen_tint", 0);
+  model.thin_walled = is_thin;
+  if (is_thin) {
+    model.ior = textures_.scalar(bsdf, "eta", 1.5f, site);
+    model.diffuse_transmission = textures_.scalar(bsdf, "diff_trans", 0, site);
+    model.diffuse_transmission.value /= 2;
+    model.diffuse_transmission = in_unit(bsdf, "diff_trans", model.diffuse_transmission);
+  } else {
+    model.ior = bsdf.real_in("eta", index_of_specular(bsdf.real_in("specular", 0.5f, 0, 1)), 1, kMaxIor);
+    model.metallic = share("metallic", 0);
+    model.clearcoat = share("clearcoat", 0);
+    model.clearcoat_gloss = share("clearcoat_gloss", 0);
+  }
+  if (model.ior.texture < 0) {
+    const float limited = std::clamp(model.ior.value, 1.0f, kMaxIor);
+    if (limited != model.ior.value) bsdf.warn(fmt::format("its index of refraction becomes {}", limited));
+    model.ior.value = limited;
+  }
+  return transmits_light(model) ? open(bsdf, model) : one_sided(bsdf, model);
 }
 
 Surface MaterialConverter::blend(const Plugin& bsdf, const TextureSite& site, int depth) {
@@ -295,7 +317,7 @@ Surface MaterialConverter::blend(const Plugin& bsdf, const TextureSite& site, in
   Blend model;
   model.first = part(parts[0], site, depth + 1);
   model.second = part(parts[1], site, depth + 1);
-  model.weight = in_unit(weight);
+  model.weight = in_unit(bsdf, "weight", weight);
   Surface result = one_sided(bsdf, model);
   for (const std::uint32_t index : {model.first, model.second})
     if (conversion_.builder.material(index).two_sided) result.material.two_sided = true;
@@ -315,7 +337,7 @@ Surface MaterialConverter::mask(const Plugin& bsdf, const TextureSite& site, int
   const ScalarParameter opacity = textures_.scalar(bsdf, "opacity", 0.5f, site);
   const ScalarParameter inside = result.material.opacity;
   if (inside.texture >= 0 || inside.value < 1) bsdf.warn("the opacity inside of another one is left out");
-  result.material.opacity = in_unit(opacity);
+  result.material.opacity = in_unit(bsdf, "opacity", opacity);
   return result;
 }
 
@@ -365,7 +387,10 @@ Surface MaterialConverter::inner(const Plugin& bsdf, const TextureSite& site, in
 }
 
 Surface MaterialConverter::unsupported(const Plugin& bsdf) {
-  bsdf.warn("is not supported; a gray diffuse BSDF replaces it");
+  const std::string measured = bsdf.text("filename").value_or("");
+  bsdf.warn(measured.empty() ? "is not supported; a gray diffuse BSDF replaces it"
+                             : fmt::format("is refused: {} cannot be read; a gray diffuse BSDF replaces it",
+                                           in_quotes(measured)));
   bsdf.ignore_all();
   return one_sided(bsdf, Lambert{});
 }

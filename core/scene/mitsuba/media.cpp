@@ -88,7 +88,7 @@ std::optional<MediumDescription> MediumConverter::convert(const Plugin& plugin) 
       {"sample_emitters", "has_spectral_extinction", "majorant_resolution_factor", "control_density"});
   MediumDescription medium;
   medium.name = plugin.name();
-  medium.scale = std::max(plugin.real("scale", 1), 0.0f);
+  medium.scale = plugin.real_in("scale", 1, 0, kMaxMediumCoefficient);
   medium.g = mean_cosine(plugin);
   const Coefficient extinction = coefficient(plugin, "sigma_t", 1);
   set_coefficients(plugin, extinction, coefficient(plugin, "albedo", 0.75f), medium);
@@ -179,7 +179,7 @@ float MediumConverter::mean_cosine(const Plugin& plugin) {
   const auto phase = plugin.first_child(Kind::kPhase);
   if (!phase || phase->type() == "isotropic") return 0;
   constexpr float kMost = 0.999f;
-  if (phase->type() == "hg") return std::clamp(phase->real("g", 0.8f), -kMost, kMost);
+  if (phase->type() == "hg") return phase->real_in("g", 0.8f, -kMost, kMost);
   phase->warn("is not supported; isotropic scattering replaces it");
   phase->ignore_all();
   return 0;

@@ -49,7 +49,10 @@ tl::expected<std::string, std::string> Parameters::substitute(std::string_view t
     const auto* parameter = escaped ? nullptr : at_start_of(text);
     if (parameter == nullptr && !escaped) return tl::unexpected<std::string>(name_at_start_of(text));
     result += escaped ? "$" : parameter->second;
-    if (!escaped) substituted_ += parameter->second.size();
+    if (!escaped) {
+      substituted_ += parameter->second.size();
+      used_.insert(parameter->first.substr(1));
+    }
     text.remove_prefix(escaped ? 1 : parameter->first.size());
     if (result.size() > kMaxValueBytes || substituted_ > kMaxSubstituted)
       return tl::unexpected<std::string>("");

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,6 +20,8 @@ class Parameters {
   void define(std::string_view name, std::string value);
   // Empty if it is not defined.
   std::string value_of(std::string_view name) const;
+  // Those that substitute() has replaced so far, in alphabetical order.
+  const std::set<std::string, std::less<>>& used() const { return used_; }
   // `text` with each "$name" replaced, and "\$" as "$". The error is the name of an undefined parameter, or
   // empty if the result is too long.
   tl::expected<std::string, std::string> substitute(std::string_view text) const;
@@ -28,7 +32,8 @@ class Parameters {
   const Parameter* at_start_of(std::string_view text) const;
 
   std::vector<Parameter> longest_first_;  // the names with '$'
-  mutable std::size_t substituted_ = 0;   // bytes, in all results
+  mutable std::set<std::string, std::less<>> used_;
+  mutable std::size_t substituted_ = 0;  // bytes, in all results
 };
 
 }  // namespace tessera::core::mitsuba

@@ -64,6 +64,24 @@ std::int64_t Plugin::integer(std::string_view name, std::int64_t otherwise) cons
   return number == nullptr ? otherwise : *number;
 }
 
+float Plugin::real_in(std::string_view name, float otherwise, float least, float most) const {
+  const float value = real(name, otherwise), limited = std::clamp(value, least, most);
+  if (limited != value)
+    warn(fmt::format("range of {}", name),
+         fmt::format("'{}' must be from {:g} to {:g}, got {:g}; {:g} is used", name, least, most, value,
+                     limited));
+  return limited;
+}
+
+std::int64_t Plugin::integer_in(std::string_view name, std::int64_t otherwise, std::int64_t least,
+                                std::int64_t most) const {
+  const std::int64_t value = integer(name, otherwise), limited = std::clamp(value, least, most);
+  if (limited != value)
+    warn(fmt::format("range of {}", name),
+         fmt::format("'{}' must be from {} to {}, got {}; {} is used", name, least, most, value, limited));
+  return limited;
+}
+
 bool Plugin::flag(std::string_view name, bool otherwise) const {
   const bool* is_set = value<bool>(name, "boolean");
   return is_set == nullptr ? otherwise : *is_set;
@@ -96,6 +114,7 @@ Transform Plugin::transform(std::string_view name) const {
 std::optional<Plugin> Plugin::child(std::string_view name) const {
   const Property* found = property(name);
   const auto* object = found == nullptr ? nullptr : std::get_if<Child>(&found->value);
+  if (found != nullptr && object == nullptr) warn(fmt::format("'{}' is no object; it is left out", name));
   return object == nullptr ? std::nullopt : std::optional(Plugin(*conversion_, object->node));
 }
 
@@ -130,8 +149,8 @@ void Plugin::ignore_all() const {
   for (Property& entry : node().properties) entry.used = true;
 }
 
-void Plugin::warn(std::string_view what) const {
-  conversion_->builder.warn(file(), where().line, fmt::format("{} {}", type(), what),
+void Plugin::warn(std::string_view kind, std::string_view what) const {
+  conversion_->builder.warn(file(), where().line, fmt::format("{} {}", type(), kind),
                             [&] { return fmt::format("{}: {}", shown(), what); });
 }
 

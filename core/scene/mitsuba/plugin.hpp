@@ -51,7 +51,11 @@ class Plugin {
   float real(std::string_view name, float otherwise) const {
     return static_cast<float>(number(name, static_cast<double>(otherwise)));
   }
+  // The same within limits; a value outside becomes the nearer limit, with a warning.
+  float real_in(std::string_view name, float otherwise, float least, float most) const;
   std::int64_t integer(std::string_view name, std::int64_t otherwise) const;
+  std::int64_t integer_in(std::string_view name, std::int64_t otherwise, std::int64_t least,
+                          std::int64_t most) const;
   bool flag(std::string_view name, bool otherwise) const;
   // nullopt if there is none, or it is no string.
   std::optional<std::string> text(std::string_view name) const;
@@ -75,7 +79,10 @@ class Plugin {
   void ignore_all() const;
   // Says at the plugin what is approximated or left out, and what is done instead. `what` continues
   // "<bsdf type="...">: ". Equal warnings about a type are counted.
-  void warn(std::string_view what) const;
+  void warn(std::string_view what) const { warn(what, what); }
+  // Warnings of equal kind are counted.
+  void warn(std::string_view kind, std::string_view what) const;
+  FilePlace place() const { return {file(), where().line}; }
 
  private:
   Node& node() const { return conversion_->graph.nodes[id_]; }

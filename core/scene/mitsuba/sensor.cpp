@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 
 #include "core/base/suggestion.hpp"
+#include "core/geometry/primitives.hpp"
 #include "core/math/elementary.hpp"
 #include "core/scene/mitsuba/parse_values.hpp"
 
@@ -42,7 +44,7 @@ float tangent_of_lens(const Plugin& sensor, float aspect) {
 // The same by an angle along an axis of the image.
 float tangent_of_angle(const Plugin& sensor, float aspect) {
   constexpr float kNarrowest = 1e-3f, kWidest = 179.9f;
-  const float tangent = tangent_of_half(std::clamp(sensor.real("fov", 50), kNarrowest, kWidest));
+  const float tangent = tangent_of_half(sensor.real_in("fov", 50, kNarrowest, kWidest));
   std::string axis = sensor.text("fov_axis").value_or("x");
   if (axis == "smaller") axis = aspect > 1 ? "y" : "x";
   if (axis == "larger") axis = aspect > 1 ? "x" : "y";
@@ -64,11 +66,15 @@ PixelFilter filter_of(const Plugin& film) {
   const PixelFilter gaussian{FilterKind::kGaussian, kDeviations * 0.5f};
   const auto filter = film.first_child(Kind::kFilter);
   if (!filter) return gaussian;
-  const auto radius = [&](float value) { return std::clamp(value, 0.01f, kMaxFilterRadiusPx); };
+  constexpr float kLeastRadiusPx = 0.01f;
   const std::string& type = filter->type();
-  if (type == "box") return {FilterKind::kBox, radius(filter->real("radius", 0.5f))};
-  if (type == "tent") return {FilterKind::kTent, radius(filter->real("radius", 1))};
-  if (type == "gaussian") return {FilterKind::kGaussian, radius(kDeviations * filter->real("stddev", 0.5f))};
+  if (type == "box")
+    return {FilterKind::kBox, filter->real_in("radius", 0.5f, kLeastRadiusPx, kMaxFilterRadiusPx)};
+  if (type == "tent")
+    return {FilterKind::kTent, filter->real_in("radius", 1, kLeastRadiusPx, kMaxFilterRadiusPx)};
+  if (type == "gaussian")
+    return {FilterKind::kGaussian, kDeviations * filter->real_in("stddev", 0.5f, kLeastRadiusPx / kDeviations,
+                                                                 kMaxFilterRadiusPx / kDeviations)};
   filter->warn("this filter is not supported; a Gaussian of standard deviation 0.5 replaces it");
   filter->ignore_all();
   return gaussian;
@@ -82,7 +88,7 @@ void set_film(RenderSettings& settings, const Plugin& film) {
   film.ignore({"pixel_format", "component_format", "file_format", "sample_border", "compensate", "banner",
                "high_quality_edges", "gamma", "exposure"});
   const auto pixels = [&](std::string_view name, int otherwise) {
-    return static_cast<int>(std::clamp<std::int64_t>(film.integer(name, otherwise), 0, kMaxImageSidePx));
+    return static_cast<int>(film.integer_in(name, otherwise, 0, kMaxImageSidePx));
   };
   const int x = pixels("crop_offset_x", 0), y = pixels("crop_offset_y", 0);
   const PixelRect crop{x, y, x + pixels("crop_width", settings.width_px - x),
@@ -96,10 +102,9 @@ void set_film(RenderSettings& settings, const Plugin& film) {
 }
 
 void set_sampler(RenderSettings& settings, const Plugin& sampler) {
-  const std::int64_t count = sampler.integer("sample_count", 4);
-  settings.spp = static_cast<std::uint32_t>(std::clamp<std::int64_t>(count, 1, kMaxSpp));
-  const std::int64_t seed = sampler.integer("seed", 0);
-  settings.seed = seed > 0 ? static_cast<std::uint64_t>(seed) : 0;
+  settings.spp = static_cast<std::uint32_t>(sampler.integer_in("sample_count", 4, 1, kMaxSpp));
+  settings.seed =
+      static_cast<std::uint64_t>(sampler.integer_in("seed", 0, 0, std::numeric_limits<std::int64_t>::max()));
   sampler.ignore({"jitter", "wavefront_size"});
 }
 
@@ -115,8 +120,10 @@ CameraDescription camera_of(const Plugin& sensor, const Transform& to_world, flo
   camera.look_at = to_world.origin + normalize(to_world.z_axis);
   camera.up = to_world.y_axis;
   camera.mirrored = to_world.determinant() < 0;
-  camera.lens_shift = {sensor.real("principal_point_offset_x", 0),
-                       -sensor.real("principal_point_offset_y", 0)};
+  const auto shift = [&](std::string_view name) {
+    return sensor.real_in(name, 0, -kMaxLensShift, kMaxLensShift);
+  };
+  camera.lens_shift = {shift("principal_point_offset_x"), -shift("principal_point_offset_y")};
   if (sensor.type() == "orthographic") {
     camera.type = CameraType::kOrthographic;
     const Vec3 scales = to_world.scales();
@@ -128,8 +135,8 @@ CameraDescription camera_of(const Plugin& sensor, const Transform& to_world, flo
   const float tangent = half_width_of(sensor, aspect);
   camera.vertical_fov_degrees = degrees_of_half_tangent(tangent / aspect);
   if (sensor.type() == "thinlens") {
-    camera.aperture_radius = std::max(sensor.real("aperture_radius", 0), 0.0f);
-    camera.focus_distance = std::max(sensor.real("focus_distance", 0), 0.0f);
+    camera.aperture_radius = sensor.real_in("aperture_radius", 0, 0, kMaxCoordinate);
+    camera.focus_distance = sensor.real_in("focus_distance", 0, 0, kMaxCoordinate);
   }
   return camera;
 }
@@ -165,6 +172,10 @@ void set_sensor(Conversion& conversion, const Plugin& sensor) {
       !animate_camera(shifted(*keys, conversion.shutter_open), camera,
                       conversion.builder.scene().animation.camera))
     sensor.warn("does not move; the first keyframe of 'to_world' counts");
+  if (!(shutter_close - conversion.shutter_open >= 0 &&
+        shutter_close - conversion.shutter_open <= kMaxShutterFrames))
+    sensor.warn(fmt::format("'shutter_close' must be from 'shutter_open' to {} later; the nearest is used",
+                            kMaxShutterFrames));
   camera.shutter_close = std::clamp(shutter_close - conversion.shutter_open, 0.0f, kMaxShutterFrames);
   if (is_finite(camera.look_at) && camera.look_at != camera.position && is_finite(camera.up))
     conversion.builder.set_camera(camera);
@@ -187,6 +198,7 @@ bool set_integrator(Conversion& conversion, const Plugin& integrator) {
   const std::int64_t depth = integrator.integer("max_depth", type == "direct" ? 2 : -1);
   if (depth == 0 || depth == 1)
     integrator.warn("a 'max_depth' of 2 replaces one that is lower, so that direct light is seen, too");
+  if (depth > kMaxDepth + 1) integrator.warn(fmt::format("'max_depth' is limited to {}", kMaxDepth + 1));
   conversion.builder.scene().settings.max_depth =
       depth < 0 ? 0 : static_cast<int>(std::clamp<std::int64_t>(depth - 1, 1, kMaxDepth));
   conversion.counts_passing = depth >= 0 && !type.starts_with("volpath");

@@ -61,9 +61,8 @@ void ShapeConverter::add(const Plugin& shape, std::optional<std::uint32_t> objec
 }
 
 std::string ShapeConverter::name_of(const Plugin& shape) const {
-  const std::string place = fmt::format("{}:{}", shape.file(), shape.where().line);
-  return shape.name().empty() ? fmt::format("{} at {}", shape.type(), place)
-                              : fmt::format("{} at {}", shape.name(), place);
+  return shape.name().empty() ? fmt::format("{} at {}:{}", shape.type(), shape.file(), shape.where().line)
+                              : shape.name();
 }
 
 MaterialIndex ShapeConverter::material(const Plugin& shape, const TextureSite& site) {
@@ -112,14 +111,15 @@ void ShapeConverter::add_sphere(const Plugin& shape, std::optional<std::uint32_t
   }
   if (!has_images) {
     const float scale = to_world.scales().x;
-    return conversion_.builder.add_shape(SphereDescription{to_world.origin, scale, index.index},
-                                         name_of(shape), object);
+    conversion_.builder.add_shape(SphereDescription{to_world.origin, scale, index.index}, name_of(shape),
+                                  object, shape.place());
+    return;
   }
   // The poles of texture coordinates are on y here, and on z in Mitsuba.
   const std::uint32_t own = conversion_.builder.add_object(name_of(shape));
-  conversion_.builder.add_shape(SphereDescription{{}, 1, index.index}, name_of(shape), own);
+  conversion_.builder.add_shape(SphereDescription{{}, 1, index.index}, name_of(shape), own, shape.place());
   const Transform poles_on_z{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}, {0, 0, 0}};
-  conversion_.builder.add_instance(own, compose(to_world, poles_on_z), name_of(shape));
+  conversion_.builder.add_instance(own, compose(to_world, poles_on_z), name_of(shape), shape.place());
 }
 
 void ShapeConverter::add_disk(const Plugin& shape, std::optional<std::uint32_t> object) {
@@ -132,7 +132,7 @@ void ShapeConverter::add_disk(const Plugin& shape, std::optional<std::uint32_t> 
   const bool mirrored = to_world.determinant() < 0;
   disk.flipped = (mirrored != shape.flag("flip_normals", false)) != index.is_reversed;
   disk.material = index.index;
-  conversion_.builder.add_shape(disk, name_of(shape), object);
+  conversion_.builder.add_shape(disk, name_of(shape), object, shape.place());
 }
 
 void ShapeConverter::add_cylinder(const Plugin& shape, std::optional<std::uint32_t> object) {
@@ -152,7 +152,7 @@ void ShapeConverter::add_cylinder(const Plugin& shape, std::optional<std::uint32
   cylinder.radius_v = to_world.direction(v * radius);
   cylinder.flipped = shape.flag("flip_normals", false) != index.is_reversed;
   cylinder.material = index.index;
-  conversion_.builder.add_shape(cylinder, name_of(shape), object);
+  conversion_.builder.add_shape(cylinder, name_of(shape), object, shape.place());
 }
 
 // Transforms move the control points only, and keep the radii.
@@ -171,11 +171,10 @@ void ShapeConverter::add_curves(const Plugin& shape, CurveBasis basis, std::opti
     shape.warn("curves that emit light are not supported; they are dark");
   const Transform to_world = shape.transform("to_world");
   for (Vec3& point : strands->points) point = to_world.point(point);
-  for (float& radius : strands->radii) radius = std::max(radius, 0.0f);
   const MaterialIndex index = materials_.material(
       {shape.first_child(Kind::kBsdf), std::nullopt, media_.interface_of(shape), TextureSite{}});
-  conversion_.check(
-      conversion_.builder.add_curves({std::move(*strands), index.index}, name_of(shape), object, *path));
+  conversion_.check(conversion_.builder.add_curves({std::move(*strands), index.index}, name_of(shape), object,
+                                                   shape.place()));
 }
 
 void ShapeConverter::add_instance(const Plugin& shape, std::optional<std::uint32_t> object) {
@@ -188,9 +187,11 @@ void ShapeConverter::add_instance(const Plugin& shape, std::optional<std::uint32
   auto motion = keys != nullptr && keys->size() > 1 ? motion_of(shape, *keys) : std::nullopt;
   if (!motion) {
     const Transform place = keys == nullptr ? shape.transform("to_world") : keys->front().transform;
-    return conversion_.builder.add_instance(group(*of), place, name_of(shape));
+    conversion_.builder.add_instance(group(*of), place, name_of(shape), shape.place());
+    return;
   }
-  conversion_.builder.add_instance(group(*of), transform_at(*motion, 0), name_of(shape));
+  if (!conversion_.builder.add_instance(group(*of), transform_at(*motion, 0), name_of(shape), shape.place()))
+    return;
   SceneDescription& scene = conversion_.builder.scene();
   scene.animation.instances.push_back(
       {static_cast<std::uint32_t>(scene.shapes.size()) - 1, *std::move(motion)});

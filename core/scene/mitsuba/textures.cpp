@@ -112,6 +112,9 @@ ScalarParameter TextureConverter::scalar(const Plugin& owner, std::string_view n
   auto found = value(owner, name, site);
   if (!found) return apply(otherwise);
   if (!found->texture) return apply(as_number(found->factor));
+  // Mitsuba exchanges the fields of checkerboards that are looked up as numbers.
+  if (const auto child = owner.child(name); child && child->type() == "checkerboard")
+    found->texture->offset.x += 0.5f;
   found->texture->image = mapped(found->texture->image, map);
   return {apply(as_number(found->factor)), conversion_.builder.add_texture(*found->texture)};
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <pugixml.hpp>
+#include <sstream>
 #include <utility>
 
 #include "core/base/printable.hpp"
@@ -80,6 +81,7 @@ class GraphReader {
                     Property::Value value);
 
   Status resolve_references();
+  Status check_replaced_parameters() const;
 
   Location location(const Source& source, pugi::xml_node xml) const {
     return {source.file, source.lines.line_at(xml.offset_debug())};
@@ -102,6 +104,7 @@ class GraphReader {
 Result<SceneGraph> GraphReader::read() {
   graph_.nodes.push_back({Kind::kScene, "scene", {}, {0, 1}, {}, false});
   if (const Status done = read_file(builder_.scene_path(), 0, {}, 0); !done) return fail(done.error());
+  if (const Status used = check_replaced_parameters(); !used) return fail(used.error());
   graph_.camera = parameters_.value_of(std::string(kMitsubaSelection) + std::string(kSelectCamera));
   if (const Status done = resolve_references(); !done) return fail(done.error());
   if (const auto deep = too_deep(graph_))
@@ -353,6 +356,17 @@ void GraphReader::add_property(const Source& source, NodeId owner, std::string_v
                                Property::Value value) {
   std::string known_name = source.is_old ? in_snake_case(name) : std::string(name);
   graph_.nodes[owner].properties.push_back({std::move(known_name), where, std::move(value), false});
+}
+
+// The names stand in a parameter, one a line.
+Status GraphReader::check_replaced_parameters() const {
+  std::istringstream names(
+      parameters_.value_of(std::string(kMitsubaSelection) + std::string(kReplacedParameters)));
+  const auto& used = parameters_.used();
+  for (std::string name; std::getline(names, name);)
+    if (!used.contains(name))
+      return fail(unused_parameter(name, {used.begin(), used.end()}).within(builder_.shown(graph_.files[0])));
+  return {};
 }
 
 Status GraphReader::resolve_references() {

@@ -35,6 +35,12 @@ TEST(MitsubaBsdf, ShapesWithoutOneAreGrayAndLampsBlack) {
   EXPECT_FALSE(lamp.two_sided_emission);
 }
 
+TEST(MitsubaBsdf, ShadingNormalsArePlain) {
+  EXPECT_EQ(material_of("").shading_normals, ShadingNormals::kPlain);
+  EXPECT_EQ(material_of("<bsdf type=\"twosided\"><bsdf type=\"plastic\"/></bsdf>").shading_normals,
+            ShadingNormals::kPlain);
+}
+
 TEST(MitsubaBsdf, DielectricsHaveTheRatioOfTheirIndices) {
   EXPECT_NEAR(model_of<Glass>("<bsdf type=\"dielectric\"/>").ior.value, 1.5046f / 1.000277f, 1e-6);
   const std::string water =
@@ -128,17 +134,45 @@ TEST(MitsubaBsdf, BlendsMasksAndNull) {
   EXPECT_TRUE(std::holds_alternative<Null>(scene->materials.at(blend.second).model));
 }
 
-TEST(MitsubaBsdf, PrincipledIsToldAsApproximated) {
+TEST(MitsubaBsdf, PrincipledIsDisneys) {
   const SceneDescription scene = scene_of(
       "<shape type=\"sphere\"><bsdf type=\"principled\">"
       "<float name=\"metallic\" value=\"0.7\"/><float name=\"roughness\" value=\"0.2\"/>"
       "<float name=\"clearcoat\" value=\"0.8\"/></bsdf></shape>");
-  const auto& model = std::get<Principled>(scene.materials.at(0).model);
-  EXPECT_FLOAT_EQ(model.base_metalness.value, 0.7f);
-  EXPECT_FLOAT_EQ(model.specular_roughness.value, 0.2f);
-  EXPECT_FLOAT_EQ(model.coat_weight.value, 0.2f);
-  EXPECT_NEAR(model.specular_ior.value, 1.5, 1e-6);
-  EXPECT_THAT(warnings_of(scene), HasSubstr("approximated"));
+  const auto& model = std::get<Disney>(scene.materials.at(0).model);
+  EXPECT_EQ(model.metallic.value, 0.7f);
+  EXPECT_EQ(model.roughness.value, 0.2f);
+  EXPECT_EQ(model.clearcoat.value, 0.8f);
+  EXPECT_NEAR(model.ior.value, 1.5, 1e-6);
+  EXPECT_FALSE(model.thin_walled);
+  EXPECT_FALSE(scene.materials.at(0).two_sided);
+  EXPECT_EQ(warnings_of(scene), "");
+}
+
+TEST(MitsubaBsdf, ThinPrincipledIsASheet) {
+  const auto model = model_of<Disney>(
+      "<bsdf type=\"principledthin\"><float name=\"eta\" value=\"1.7\"/>"
+      "<float name=\"diff_trans\" value=\"0.6\"/><float name=\"spec_trans\" value=\"0.2\"/></bsdf>");
+  EXPECT_TRUE(model.thin_walled);
+  EXPECT_EQ(model.ior.value, 1.7f);
+  EXPECT_FLOAT_EQ(model.diffuse_transmission.value, 0.3f);
+  EXPECT_EQ(model.specular_transmission.value, 0.2f);
+}
+
+TEST(MitsubaBsdf, PrincipledLessDenseThanItsOutsideIsTold) {
+  const SceneDescription scene = scene_of(
+      "<shape type=\"sphere\"><bsdf type=\"principled\"><float name=\"eta\" value=\"0.8\"/></bsdf></shape>");
+  EXPECT_EQ(std::get<Disney>(scene.materials.at(0).model).ior.value, 1);
+  EXPECT_THAT(warnings_of(scene), HasSubstr("'eta' must be from 1 to 10, got 0.8; 1 is used"));
+}
+
+// Of a boundary that is almost smooth, 64 cosines with both ends give 0.579 and the integral 0.590.
+TEST(MitsubaBsdf, RoughPlasticReflectsInsideAsMitsubasQuadrature) {
+  const auto rough = model_of<Plastic>(
+      "<bsdf type=\"roughplastic\"><float name=\"alpha\" value=\"0.001\"/>"
+      "<float name=\"int_ior\" value=\"1.49\"/><float name=\"ext_ior\" value=\"1\"/></bsdf>");
+  EXPECT_NEAR(rough.internal_reflection.value, 0.579 / 0.590, 3e-3);
+  EXPECT_EQ(model_of<Plastic>("<bsdf type=\"plastic\"/>").internal_reflection.value, 1);
 }
 
 TEST(MitsubaBsdf, Hair) {
@@ -212,6 +246,17 @@ TEST(MitsubaTexture, CheckerboardsAlternate) {
   EXPECT_EQ(looked_up(square, {0.375f, 0.125f}), Rgb::gray(0.2f));
   EXPECT_EQ(looked_up(square, {0.375f, 0.375f}), Rgb::gray(0.1f));
   EXPECT_EQ(looked_up(square, {0.625f, 0.125f}), Rgb::gray(0.1f));
+}
+
+// Mitsuba's checkerboard returns the other colour where a number is looked up.
+TEST(MitsubaTexture, CheckerboardsOfNumbersBeginWithTheSecond) {
+  const SceneDescription scene = scene_of(
+      "<shape type=\"rectangle\"><bsdf type=\"principled\"><texture type=\"checkerboard\" name=\"metallic\">"
+      "<float name=\"color0\" value=\"0.75\"/><float name=\"color1\" "
+      "value=\"0.25\"/></texture></bsdf></shape>");
+  const auto& metallic = std::get<Disney>(scene.materials.at(0).model).metallic;
+  EXPECT_EQ(metallic.evaluate(scene.textures, {0.25f, 0.25f}), 0.25f);
+  EXPECT_EQ(metallic.evaluate(scene.textures, {0.75f, 0.25f}), 0.75f);
 }
 
 TEST(MitsubaTexture, MissingFilesCostTheTextureOnly) {

@@ -31,7 +31,9 @@ constexpr const char* kTwin = R"({
   "camera": { "position": [0, 0, 5], "look_at": [0, 0, 4], "vertical_fov_degrees": 40 },
   "environment": { "radiance": [0.5, 0.6, 0.7] },
   "lights": [ { "type": "point", "position": [2, 3, 4], "intensity": 20 } ],
-  "materials": { "clay": { "type": "lambert", "albedo": [0.7, 0.3, 0.2] }, "glass": { "type": "glass" } },
+  "materials": { 
+    "clay": { "type": "lambert", "albedo": [0.7, 0.3, 0.2], "shading_normals": "plain" },
+    "glass": { "type": "glass", "shading_normals": "plain" } },
   "shapes": [
     { "type": "sphere", "center": [-1, 0, 0], "radius": 1, "material": "clay" },
     { "type": "sphere", "center": [1, 0, 0], "radius": 1, "material": "glass" },
@@ -47,7 +49,7 @@ std::vector<std::uint64_t> rendered(Result<SceneDescription> description) {
   const auto scene = Scene::build(std::move(*description), 1);
   EXPECT_TRUE(scene) << scene.error().message;
   if (!scene) return {};
-  return render(*scene, scene->settings(), PixelRect{0, 0, 16, 12}, SampleRange{0, 4}, 1).sums;
+  return render(prepare(*scene, scene->settings(), 1), PixelRect{0, 0, 16, 12}, SampleRange{0, 4}, 1).sums;
 }
 
 TEST(MitsubaTwin, RendersToTheSameBytes) {
