@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -23,16 +25,20 @@ std::vector<std::uint32_t> remove_objects(std::vector<ObjectDescription>& object
   return indices;
 }
 
-// The new index of each shape.
-std::vector<std::uint32_t> remove_instances(std::vector<ShapeDescription>& shapes,
-                                            std::vector<std::string>& names,
-                                            const std::vector<std::uint32_t>& objects) {
+void renumber_motions(SceneDescription& scene, const std::vector<std::uint32_t>& shapes) {
+  auto& motions = scene.animation.instances;
+  for (InstanceMotion& motion : motions) motion.shape = shapes[motion.shape];
+  std::erase_if(motions, [](const InstanceMotion& motion) { return motion.shape == kRemoved; });
+}
+
+// Keeps the shapes that `keep(i)` is true of. The new index of each shape.
+template <typename Keep>
+std::vector<std::uint32_t> keep_shapes(std::vector<ShapeDescription>& shapes, std::vector<std::string>& names,
+                                       const Keep& keep) {
   std::vector<std::uint32_t> indices;
   std::uint32_t kept = 0;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    auto* instance = std::get_if<InstanceDescription>(&shapes[i]);
-    if (instance != nullptr) instance->object = objects[instance->object];
-    if (instance != nullptr && instance->object == kRemoved) {
+    if (!keep(i)) {
       indices.push_back(kRemoved);
       continue;
     }
@@ -47,6 +53,18 @@ std::vector<std::uint32_t> remove_instances(std::vector<ShapeDescription>& shape
   return indices;
 }
 
+// The new index of each shape.
+std::vector<std::uint32_t> remove_instances(std::vector<ShapeDescription>& shapes,
+                                            std::vector<std::string>& names,
+                                            const std::vector<std::uint32_t>& objects) {
+  return keep_shapes(shapes, names, [&](std::size_t i) {
+    auto* instance = std::get_if<InstanceDescription>(&shapes[i]);
+    if (instance == nullptr) return true;
+    instance->object = objects[instance->object];
+    return instance->object != kRemoved;
+  });
+}
+
 }  // namespace
 
 void remove_empty_objects(SceneDescription& scene) {
@@ -56,11 +74,15 @@ void remove_empty_objects(SceneDescription& scene) {
     const std::vector<std::uint32_t> objects = remove_objects(scene.objects);
     for (ObjectDescription& object : scene.objects)
       remove_instances(object.shapes, object.shape_names, objects);
-    const std::vector<std::uint32_t> shapes = remove_instances(scene.shapes, scene.shape_names, objects);
-    auto& motions = scene.animation.instances;
-    for (InstanceMotion& motion : motions) motion.shape = shapes[motion.shape];
-    std::erase_if(motions, [](const InstanceMotion& motion) { return motion.shape == kRemoved; });
+    renumber_motions(scene, remove_instances(scene.shapes, scene.shape_names, objects));
   }
+}
+
+void remove_shapes(SceneDescription& scene, const std::vector<std::size_t>& indices) {
+  const std::set<std::size_t> removed(indices.begin(), indices.end());
+  if (removed.empty()) return;
+  renumber_motions(scene, keep_shapes(scene.shapes, scene.shape_names,
+                                      [&](std::size_t i) { return !removed.contains(i); }));
 }
 
 }  // namespace tessera::core

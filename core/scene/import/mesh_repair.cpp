@@ -30,11 +30,22 @@ bool drop_if_incomplete(std::vector<T>& list, std::size_t vertices) {
   return true;
 }
 
+// Calls what(positions, normals) for the mesh and each of its steps.
+template <typename What>
+void for_each_step(MeshDescription& mesh, const What& what) {
+  what(mesh.positions, mesh.normals);
+  for (MeshStep& step : mesh.steps) what(step.positions, step.normals);
+}
+
+bool is_usable_vertex(const MeshDescription& mesh, std::uint32_t v) {
+  return v < mesh.positions.size() && is_usable_position(mesh.positions[v]) &&
+         std::ranges::all_of(mesh.steps,
+                             [v](const MeshStep& step) { return is_usable_position(step.positions[v]); });
+}
+
 std::size_t remove_broken_triangles(MeshDescription& mesh) {
   const auto is_broken = [&](const std::array<std::uint32_t, 3>& triangle) {
-    return std::ranges::any_of(triangle, [&](std::uint32_t v) {
-      return v >= mesh.positions.size() || !is_usable_position(mesh.positions[v]);
-    });
+    return !std::ranges::all_of(triangle, [&](std::uint32_t v) { return is_usable_vertex(mesh, v); });
   };
   const bool one_material = mesh.triangle_materials.size() == 1;
   std::size_t kept = 0;
@@ -48,8 +59,10 @@ std::size_t remove_broken_triangles(MeshDescription& mesh) {
   mesh.triangles.resize(kept);
   if (!one_material) mesh.triangle_materials.resize(kept);
   // No triangle uses these vertices.
-  for (Vec3& p : mesh.positions)
-    if (!is_usable_position(p)) p = {};
+  for_each_step(mesh, [](std::vector<Vec3>& positions, auto&) {
+    for (Vec3& p : positions)
+      if (!is_usable_position(p)) p = {};
+  });
   return removed;
 }
 
@@ -57,16 +70,17 @@ bool has_direction(Vec3 normal) {
   return is_finite(normal) && normal != Vec3{};
 }
 
-std::size_t repair_normals(MeshDescription& mesh) {
+std::size_t repair_normals(const std::vector<std::array<std::uint32_t, 3>>& triangles,
+                           const std::vector<Vec3>& positions, std::vector<Vec3>& normals) {
   const auto broken = static_cast<std::size_t>(
-      std::ranges::count_if(mesh.normals, [](Vec3 normal) { return !has_direction(normal); }));
+      std::ranges::count_if(normals, [](Vec3 normal) { return !has_direction(normal); }));
   if (broken == 0) return 0;
-  for (const auto& t : mesh.triangles) {
-    const Vec3 own = unit(area_normal(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]));
+  for (const auto& t : triangles) {
+    const Vec3 own = unit(area_normal(positions[t[0]], positions[t[1]], positions[t[2]]));
     for (const std::uint32_t v : t)
-      if (!has_direction(mesh.normals[v])) mesh.normals[v] = own;
+      if (!has_direction(normals[v])) normals[v] = own;
   }
-  for (Vec3& normal : mesh.normals)
+  for (Vec3& normal : normals)
     if (!has_direction(normal)) normal = {0, 0, 1};
   return broken;
 }
@@ -104,9 +118,11 @@ MeshRepairs repair_mesh(MeshDescription& mesh) {
   if (mesh.triangle_materials.size() != mesh.triangles.size()) mesh.triangle_materials.resize(1);
   repairs.broken_triangles = remove_broken_triangles(mesh);
   const std::size_t before = mesh.triangles.size();
-  remove_superfluous_triangles(mesh);
+  if (mesh.steps.empty()) remove_superfluous_triangles(mesh);
   repairs.flat_triangles = before - mesh.triangles.size();
-  repairs.broken_normals = repair_normals(mesh);
+  for_each_step(mesh, [&](const std::vector<Vec3>& positions, std::vector<Vec3>& normals) {
+    repairs.broken_normals += repair_normals(mesh.triangles, positions, normals);
+  });
   repairs.broken_uvs = repair_uvs(mesh);
   repairs.clamped_colors = clamp_colors(mesh);
   return repairs;
@@ -133,12 +149,14 @@ void tell_repairs(const MeshRepairs& repairs, int line, FileWarnings& warnings) 
 void transform_mesh(MeshDescription& mesh, const Transform& transform) {
   if (transform == Transform()) return;
   const bool reflects = transform.determinant() < 0;
-  for (Vec3& p : mesh.positions) p = transform.point(p);
-  for (Vec3& normal : mesh.normals) {
-    // Unit length first, so that the cofactors of large scales do not overflow.
-    const Vec3 n = transform.normal(unit({normal.x, normal.y, normal.z}));
-    normal = unit({reflects ? -n.x : n.x, reflects ? -n.y : n.y, reflects ? -n.z : n.z});
-  }
+  for_each_step(mesh, [&](std::vector<Vec3>& positions, std::vector<Vec3>& normals) {
+    for (Vec3& p : positions) p = transform.point(p);
+    for (Vec3& normal : normals) {
+      // Unit length first, so that the cofactors of large scales do not overflow.
+      const Vec3 n = transform.normal(unit({normal.x, normal.y, normal.z}));
+      normal = unit({reflects ? -n.x : n.x, reflects ? -n.y : n.y, reflects ? -n.z : n.z});
+    }
+  });
   if (reflects)
     for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
 }

@@ -22,6 +22,7 @@ struct MeshRepairs {
   bool dropped_colors = false;
 };
 
+// Steps must be sound. Of a mesh that deforms, triangles without area stay, since they may gain one.
 // Afterwards the mesh is valid for Scene::build, but its materials are not checked and it may be empty.
 MeshRepairs repair_mesh(MeshDescription& mesh);
 

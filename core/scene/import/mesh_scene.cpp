@@ -72,7 +72,7 @@ Result<SceneDescription> read_mesh_scene(AssetSource& assets, const std::string&
   if (!mesh) return fail(mesh.error().within(display_path));
   if (auto counted = builder.count_triangles(scene_path, mesh->triangles.size()); !counted)
     return fail(counted.error().within(display_path));
-  builder.add_shape(std::move(*mesh), scene_path);
+  builder.add_shape(std::move(*mesh), scene_path, std::nullopt, {scene_path});
   return builder.finish(format == SceneFormat::kStl ? kStlDefaults : SceneDefaults());
 }
 

@@ -6,12 +6,17 @@
 #include <algorithm>
 
 #include "core/image/codecs.hpp"
+#include "core/scene/import/deforming_mesh.hpp"
 #include "core/scene/import/empty_objects.hpp"
 #include "core/scene/import/mesh_repair.hpp"
 #include "core/scene/import/scene_bounds.hpp"
 #include "core/scene/import/scene_defaults.hpp"
+#include "core/scene/import/scene_repair.hpp"
 #include "core/scene/loader/light_limit.hpp"
 #include "core/scene/loader/wording.hpp"
+#include "core/scene/validate_materials.hpp"
+#include "core/scene/validate_shapes.hpp"
+#include "core/scene/validation.hpp"
 
 namespace tessera::core {
 
@@ -98,27 +103,35 @@ Status SceneBuilder::count_triangles(const std::string& path, std::uint64_t more
 
 Status SceneBuilder::add_mesh(MeshDescription mesh, std::string name, std::optional<std::uint32_t> object,
                               const std::string& file, int line) {
-  if (auto fits = check_triangles(file, mesh.triangles.size()); !fits) return fits;
+  const std::uint64_t steps = std::max<std::uint64_t>(mesh.steps.size(), 1);
+  if (auto fits = check_triangles(file, steps * mesh.triangles.size()); !fits) return fits;
   tell_repairs(repair_mesh(mesh), line, warnings_.of(shown(file)));
   if (mesh.triangles.empty()) {
     warn(file, line, "empty mesh", "a mesh without a triangle that has an area is left out");
     return {};
   }
-  triangles_ += mesh.triangles.size();
-  add_shape(std::move(mesh), std::move(name), object);
+  triangles_ += steps * mesh.triangles.size();
+  if (!mesh.steps.empty()) {
+    set_rest(mesh);
+    scene_.animation.deforms = true;
+  }
+  append_shape(std::move(mesh), std::move(name), object);
   return {};
 }
 
 Status SceneBuilder::add_curves(CurvesDescription curves, std::string name,
-                                std::optional<std::uint32_t> object, const std::string& file) {
-  const CurveStrands& strands = curves.strands;
-  if (auto fits = count_triangles(file, kMaxCurveParts * segment_count(strands)); !fits) return fits;
+                                std::optional<std::uint32_t> object, const FilePlace& place) {
+  ShapeDescription shape = std::move(curves);
+  if (!can_be_rendered(shape, place)) return {};
+  const auto& added = std::get<CurvesDescription>(shape);
+  const CurveStrands& strands = added.strands;
+  if (auto fits = count_triangles(place.file, kMaxCurveParts * segment_count(strands)); !fits) return fits;
   auto& shapes = object ? scene_.objects[*object].shapes : scene_.shapes;
   auto* last = shapes.empty() ? nullptr : std::get_if<CurvesDescription>(&shapes.back());
   const auto has_own_radii = [](const CurveStrands& all) { return all.radii.size() == all.points.size(); };
-  if (last == nullptr || last->material != curves.material || last->strands.basis != strands.basis ||
+  if (last == nullptr || last->material != added.material || last->strands.basis != strands.basis ||
       last->strands.shape != strands.shape || !has_own_radii(last->strands) || !has_own_radii(strands)) {
-    add_shape(std::move(curves), std::move(name), object);
+    append_shape(std::move(shape), std::move(name), object);
     return {};
   }
   const auto append = [](auto& all, const auto& more) { all.insert(all.end(), more.begin(), more.end()); };
@@ -129,20 +142,47 @@ Status SceneBuilder::add_curves(CurvesDescription curves, std::string name,
   return {};
 }
 
-void SceneBuilder::add_shape(ShapeDescription shape, std::string name, std::optional<std::uint32_t> object) {
+void SceneBuilder::append_shape(ShapeDescription shape, std::string name,
+                                std::optional<std::uint32_t> object) {
   auto& shapes = object ? scene_.objects[*object].shapes : scene_.shapes;
   auto& names = object ? scene_.objects[*object].shape_names : scene_.shape_names;
   shapes.push_back(std::move(shape));
   names.push_back(std::move(name));
 }
 
-void SceneBuilder::add_instance(std::uint32_t object, const Transform& to_world, std::string name,
-                                std::optional<std::uint32_t> material) {
+bool SceneBuilder::can_be_rendered(const ShapeDescription& shape, const FilePlace& place) {
+  const Status valid = validate_shape(shape, scene_);
+  if (!valid)
+    warn(place.file, place.line, "shape that cannot be rendered",
+         fmt::format("a shape is left out: {}", valid.error().message));
+  return valid.has_value();
+}
+
+bool SceneBuilder::add_shape(ShapeDescription shape, std::string name, std::optional<std::uint32_t> object,
+                             const FilePlace& place) {
+  if (!can_be_rendered(shape, place)) return false;
+  append_shape(std::move(shape), std::move(name), object);
+  return true;
+}
+
+bool SceneBuilder::add_instance(std::uint32_t object, const Transform& to_world, std::string name,
+                                const FilePlace& place, std::optional<std::uint32_t> material) {
   InstanceDescription instance;
   instance.object = object;
   instance.to_world = to_world;
   instance.material = material;
-  add_shape(std::move(instance), std::move(name));
+  return add_shape(std::move(instance), std::move(name), std::nullopt, place);
+}
+
+void SceneBuilder::add_light(LightDescription light, const FilePlace& place) {
+  if (const Status valid = validate_light(light); !valid) {
+    warn(place.file, place.line, "light that cannot be computed",
+         fmt::format("a light is left out: {}", valid.error().message));
+  } else if (is_dark(light)) {
+    warn(place.file, place.line, "dark light", "a light without power is left out");
+  } else {
+    scene_.lights.push_back(std::move(light));
+  }
 }
 
 void SceneBuilder::set_camera(const CameraDescription& camera) {
@@ -159,13 +199,26 @@ Error SceneBuilder::nothing_to_render() const {
   return {ErrorCode::kInvalidArgument, std::move(message)};
 }
 
+// Other programs accept what no surface can have.
+void SceneBuilder::clamp_materials() {
+  for (Material& material : scene_.materials)
+    for (const std::string_view key : clamp_to_ranges(material))
+      warn(scene_path_, 0, key, [&] { return clamped_text(material.name, key); });
+}
+
 Result<SceneDescription> SceneBuilder::finish(const SceneDefaults& defaults) {
+  clamp_materials();
   remove_empty_objects(scene_);
+  leave_out_invalid_parts(scene_, warnings_.of(shown(scene_path_)));
+  if (has_camera_ && !is_valid_view(scene_, warnings_.of(shown(scene_path_)))) has_camera_ = false;
   if (scene_.shapes.empty()) return fail(nothing_to_render());
   if (!has_camera_ && defaults.camera) {
     const auto [width, height] = std::pair(scene_.settings.width_px, scene_.settings.height_px);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
-    set_camera(default_camera(scene_bounds(scene_), aspect, defaults));
+    CameraDescription camera = default_camera(scene_bounds(scene_), aspect, defaults);
+    camera.shutter_open = scene_.camera.shutter_open;
+    camera.shutter_close = scene_.camera.shutter_close;
+    set_camera(camera);
   }
   if (scene_.lights.empty() && !scene_.environment && defaults.studio_light) {
     Texture studio;

@@ -44,6 +44,12 @@ struct SceneDefaults {
   Vec3 front{0, 0, 1};  // and the direction that the front of objects faces; orthogonal to `up`
 };
 
+// A line of a file of the scene, for warnings; 0 if no line applies.
+struct FilePlace {
+  std::string file;
+  int line = 0;
+};
+
 class SceneBuilder {
  public:
   using Image = std::shared_ptr<const TextureImage>;
@@ -119,17 +125,21 @@ class SceneBuilder {
 
   // An object is rendered through instances only.
   std::uint32_t add_object(std::string name);
-  // Repairs the mesh (repair_mesh()) and counts its triangles. A mesh without triangles is left out, with a
-  // warning at `file`. RESOURCE_EXHAUSTED beyond the limit on triangles. `name` names the shape in messages.
+  // Repairs the mesh (repair_mesh()) and counts its triangles, those of a mesh that deforms for each step. A
+  // mesh without triangles is left out, with a warning at `file`. RESOURCE_EXHAUSTED beyond the limit on
+  // triangles. `name` names the shape in messages.
   Status add_mesh(MeshDescription mesh, std::string name, std::optional<std::uint32_t> object,
                   const std::string& file, int line = 0);
   // Curves with a radius for each point; those that agree in all else with the curves added before join them.
-  // A segment counts as kMaxCurveParts triangles. RESOURCE_EXHAUSTED as above.
+  // A segment counts as kMaxCurveParts triangles. Curves that cannot be rendered are left out, with a
+  // warning. RESOURCE_EXHAUSTED as above.
   Status add_curves(CurvesDescription curves, std::string name, std::optional<std::uint32_t> object,
-                    const std::string& file);
-  // A sphere, quad, ... or instance.
-  void add_shape(ShapeDescription shape, std::string name, std::optional<std::uint32_t> object = {});
-  void add_instance(std::uint32_t object, const Transform& to_world, std::string name,
+                    const FilePlace& place);
+  // A sphere, quad, ... or instance. Whether it was added: one that cannot be rendered is left out, with a
+  // warning at `place`. Its material must have been added.
+  bool add_shape(ShapeDescription shape, std::string name, std::optional<std::uint32_t> object,
+                 const FilePlace& place);
+  bool add_instance(std::uint32_t object, const Transform& to_world, std::string name, const FilePlace& place,
                     std::optional<std::uint32_t> material = {});
   // Whether the limits allow so many triangles more; before memory is taken for them.
   Status check_triangles(const std::string& path, std::uint64_t more) const;
@@ -139,7 +149,8 @@ class SceneBuilder {
 
   // --- Lights and camera
 
-  void add_light(LightDescription light) { scene_.lights.push_back(std::move(light)); }
+  // A light without power, or that cannot be computed with, is left out, with a warning at `place`.
+  void add_light(LightDescription light, const FilePlace& place);
   void set_environment(EnvironmentDescription environment) { scene_.environment = std::move(environment); }
   // The camera to render with. The last one counts.
   void set_camera(const CameraDescription& camera);
@@ -151,6 +162,10 @@ class SceneBuilder {
 
  private:
   Error nothing_to_render() const;
+  // After a warning at `place`, false.
+  bool can_be_rendered(const ShapeDescription& shape, const FilePlace& place);
+  void append_shape(ShapeDescription shape, std::string name, std::optional<std::uint32_t> object);
+  void clamp_materials();
 
   AssetSource& assets_;
   std::string scene_path_, display_path_;

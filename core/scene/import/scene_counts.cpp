@@ -22,8 +22,11 @@ std::uint64_t list_bytes(const std::vector<T>& list) {
 }
 
 std::uint64_t mesh_bytes(const MeshDescription& mesh) {
+  std::uint64_t of_steps = 0;
+  for (const MeshStep& step : mesh.steps) of_steps += list_bytes(step.positions) + list_bytes(step.normals);
   return list_bytes(mesh.positions) + list_bytes(mesh.normals) + list_bytes(mesh.uvs) +
-         list_bytes(mesh.triangles) + list_bytes(mesh.triangle_materials) + list_bytes(mesh.colors);
+         list_bytes(mesh.triangles) + list_bytes(mesh.triangle_materials) + list_bytes(mesh.colors) +
+         of_steps;
 }
 
 // As if each segment had half of the most parts that it may have.
@@ -60,6 +63,7 @@ std::uint64_t SceneCounter::count_shapes(const std::vector<ShapeDescription>& sh
     ++counts_.shapes[scene_keys::kShapeTypes[shape.index()]];
     if (const auto* mesh = std::get_if<MeshDescription>(&shape)) {
       counts_.triangles += mesh->triangles.size();
+      if (!mesh->steps.empty()) counts_.deforming_triangles += mesh->triangles.size();
       counts_.memory_bytes += mesh_bytes(*mesh) + kTreeBytesPerPrimitive * mesh->triangles.size();
       triangles = saturating_sum(triangles, mesh->triangles.size());
     } else if (const auto* instance = std::get_if<InstanceDescription>(&shape)) {

@@ -13,6 +13,7 @@ namespace tessera::core {
 struct SceneCounts {
   std::uint64_t triangles = 0;                          // stored once for all instances
   std::uint64_t triangles_with_instances = 0;           // as many as rays can hit
+  std::uint64_t deforming_triangles = 0;                // stored ones of meshes that deform
   std::uint64_t curve_segments = 0;                     // stored
   std::map<std::string_view, std::uint64_t> shapes;     // stored ones by type, "mesh": 3, with instances
   std::map<std::string_view, std::uint64_t> materials;  // by type

@@ -37,4 +37,9 @@ Result<std::size_t> find_selected(std::string_view what, std::string_view wanted
                              names.empty() ? "the file has none" : "the file has " + list_of_names(names)));
 }
 
+Error unused_parameter(std::string_view name, const std::vector<std::string_view>& used) {
+  return {ErrorCode::kInvalidArgument, fmt::format("{}: nothing in the scene uses a parameter of this name{}",
+                                                   printable(name), suggestion(name, used))};
+}
+
 }  // namespace tessera::core

@@ -14,6 +14,7 @@
 #include "core/scene/import/mesh_repair.hpp"
 #include "core/scene/import/scene_bounds.hpp"
 #include "core/scene/import/scene_counts.hpp"
+#include "core/scene/validation.hpp"
 #include "tests/unit/core_scene/memory_assets.hpp"
 
 namespace tessera::core {
@@ -22,6 +23,8 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
+
+const FilePlace kPlace{"s.xyz", 7};
 
 MeshDescription triangle() {
   MeshDescription mesh;
@@ -122,8 +125,8 @@ TEST_F(SceneBuilderTest, RemovesObjectsThatHaveNoShape) {
   flat.positions[2] = {2, 0, 0};
   ASSERT_TRUE(builder_.add_mesh(std::move(flat), "flat", empty, "s.xyz"));
   ASSERT_TRUE(builder_.add_mesh(triangle(), "t", full, "s.xyz"));
-  builder_.add_instance(empty, Transform(), "i");
-  builder_.add_instance(full, translation({5, 0, 0}), "j");
+  builder_.add_instance(empty, Transform(), "i", kPlace);
+  builder_.add_instance(full, translation({5, 0, 0}), "j", kPlace);
   const auto scene = builder_.finish({});
   ASSERT_TRUE(scene) << scene.error().message;
   ASSERT_THAT(scene->objects, SizeIs(1));
@@ -132,11 +135,52 @@ TEST_F(SceneBuilderTest, RemovesObjectsThatHaveNoShape) {
   EXPECT_EQ(scene_bounds(*scene).upper, (Vec3{6, 1, 0}));
 }
 
+TEST_F(SceneBuilderTest, LeavesOutWhatCannotBeRendered) {
+  const auto gray = builder_.default_material();
+  ASSERT_TRUE(builder_.add_mesh(triangle(), "t", std::nullopt, "s.xyz"));
+  const auto object = builder_.add_object("o");
+  ASSERT_TRUE(builder_.add_mesh(triangle(), "t", object, "s.xyz"));
+  EXPECT_TRUE(builder_.add_shape(SphereDescription{{}, 1, gray}, "ball", std::nullopt, kPlace));
+  EXPECT_FALSE(builder_.add_shape(SphereDescription{{}, 0, gray}, "dot", std::nullopt, kPlace));
+  EXPECT_FALSE(builder_.add_instance(object, scaling({0, 1, 1}), "i", kPlace));
+  builder_.add_light(PointLightDescription{{}, Rgb::gray(0)}, kPlace);
+  builder_.add_light(PointLightDescription{{}, Rgb::gray(-1)}, kPlace);
+  builder_.set_camera({.position = {}, .look_at = {}});
+  Material wrong;
+  wrong.name = "wrong";
+  wrong.opacity = 2;
+  const auto wrong_index = builder_.add_material(wrong);
+  wrong.name = "blinding";
+  wrong.opacity = 1;
+  wrong.emission = {Rgb::gray(std::numeric_limits<float>::infinity())};
+  builder_.add_material(wrong);
+  builder_.set_environment({{Rgb::gray(-1)}});
+  const auto scene = builder_.finish({});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_TRUE(validate_scene(*scene));
+  EXPECT_THAT(scene->shapes, SizeIs(2));
+  EXPECT_THAT(scene->lights, SizeIs(0));
+  EXPECT_EQ(scene->materials[wrong_index].opacity.value, 1);
+  EXPECT_THAT(
+      scene->warnings,
+      ElementsAre(
+          HasSubstr("folder/s.xyz: material 'wrong': opacity is out of range; it is clamped"),
+          HasSubstr("folder/s.xyz: the emission of the material 'blinding' is negative or too bright"),
+          HasSubstr("folder/s.xyz: environment: radiance must be 0 or greater, got [-1, -1, -1]; it is left "
+                    "out"),
+          HasSubstr("folder/s.xyz: camera.look_at: must differ from camera.position; a camera that sees"),
+          HasSubstr(
+              "folder/s.xyz:7: a shape is left out: the centre must be numbers of at most 1e+15 and the "
+              "radius above 0 (2 times)"),
+          HasSubstr("folder/s.xyz:7: a light without power is left out"),
+          HasSubstr("folder/s.xyz:7: a light is left out: intensity must be 0 or greater, got")));
+}
+
 TEST_F(SceneBuilderTest, KeepsCameraAndLightsOfTheFile) {
   builder_.default_material();
   ASSERT_TRUE(builder_.add_mesh(triangle(), "t", std::nullopt, "s.xyz"));
   builder_.set_camera({.position = {0, 0, 9}});
-  builder_.add_light(PointLightDescription{{0, 0, 1}, Rgb::gray(1)});
+  builder_.add_light(PointLightDescription{{0, 0, 1}, Rgb::gray(1)}, kPlace);
   const auto scene = builder_.finish({});
   ASSERT_TRUE(scene);
   EXPECT_EQ(scene->camera.position, (Vec3{0, 0, 9}));

@@ -64,6 +64,44 @@ SceneDescription loaded(const std::string& scene, const MemoryAssets::Files& fil
   return description ? std::move(*description) : SceneDescription();
 }
 
+TEST(SceneWriter, WritesLightGroups) {
+  const SceneDescription scene = loaded(R"({
+    "render": {"layers": ["depth", "light_groups", "group.key"]},
+    "camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]},
+    "materials": {"l": {"type": "lambert", "emission": 2, "group": "lamps"}},
+    "shapes": [{"type": "sphere", "radius": 1, "material": "l"}],
+    "lights": [{"type": "point", "position": [0, 3, 0], "intensity": 1, "group": "key"},
+               {"type": "spot", "position": [0, 3, 0], "look_at": [0, 0, 0], "intensity": 1, "group": "fill-2"},
+               {"type": "directional", "direction": [0, -1, 0], "irradiance": 1, "group": "key"}],
+    "environment": {"radiance": 0.1, "group": "sky"}})");
+  EXPECT_EQ(scene.materials[0].light_group, "lamps");
+  EXPECT_EQ(light_group_of(scene.lights[1]), "fill-2");
+  EXPECT_EQ(light_group_of(scene.lights[2]), "key");
+  EXPECT_EQ(scene.environment->light_group, "sky");
+  EXPECT_TRUE(scene.settings.layers.light_groups);
+  EXPECT_EQ(scene.settings.layers.groups, std::vector<std::string>{"key"});
+  expect_round_trip(scene);
+}
+
+TEST(SceneWriter, WritesMeshesThatDeform) {
+  const auto bent = [](const char* z) {
+    return std::string("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n") +
+           "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 " + z +
+           "\n1 0 0.25\n0 1 0.1\n3 0 1 2\n";
+  };
+  const SceneDescription scene = loaded(
+      R"({
+    "camera": {"position": [0, 0, 5], "look_at": [0, 0, 0], "shutter": [0, 1]},
+    "materials": {"l": {"type": "lambert"}},
+    "shapes": [{"type": "mesh", "material": "l", "transform": [{"rotate": {"axis": [1, 2, 3], "degrees": 77}}],
+                "file": {"keyframes": [{"frame": -0.3, "value": "a.ply"}, {"frame": 0.4, "value": "b.ply"},
+                                       {"frame": 2, "value": "a.ply"}]}},
+               {"type": "mesh", "file": "a.ply", "material": "l"}]})",
+      {{"a.ply", bent("0.3")}, {"b.ply", bent("-0.7")}});
+  ASSERT_EQ(std::get<MeshDescription>(scene.shapes[0]).steps.size(), 3u);
+  expect_round_trip(scene);
+}
+
 TEST(SceneWriter, WritesAllPartsOfAScene) {
   const std::string scene = R"({
     "render": {"width": 33, "height": 20, "spp": 5, "seed": 18446744073709551615, "integrator": "nee",
@@ -78,9 +116,10 @@ TEST(SceneWriter, WritesAllPartsOfAScene) {
       "gold": {"type": "cook_torrance", "conductor": "gold", "roughness": {"texture": "n", "scale": 0.7},
                "masking": "schlick", "sampling": "half_vector"},
       "pane": {"type": "glass", "ior": 1.33, "fresnel": "schlick", "opacity": 0.5, "distribution": "beckmann"},
-      "bucket": {"type": "plastic", "roughness": 0.5, "masking": "separable", "compensated": false},
+      "bucket": {"type": "plastic", "roughness": 0.5, "masking": "separable", "compensated": false, "internal_reflection": 0.5},
       "painted": {"type": "lambert", "albedo": {"texture": "t", "tint": [0.9, 0.8, 0.7]},
                   "normal_map": {"texture": "n", "strength": 0.5}, "bump": {"texture": "n", "height": -0.02}},
+      "cloth": {"type": "disney", "sheen": 0.5, "thin_walled": true, "shading_normals": "plain"},
       "fur": {"type": "hair", "reflectance": 0.5, "beta_m": 0.2, "tilt_degrees": 3},
       "brown hair": {"type": "hair", "pheomelanin": 0.3, "ior": 1.5},
       "pigment": {"type": "hair", "sigma_a": [0.1, 0.2, 0]},
@@ -170,6 +209,16 @@ TEST(SceneWriter, GivesNamesToWhatHasNone) {
                               R"({"type": "sphere", "radius": 1, "material": "light"})"));
   scene.materials.resize(scene.materials.size() + 2);
   expect_round_trip(scene);
+}
+
+TEST(SceneWriter, KeepsTheNamesOfShapes) {
+  SceneDescription scene = loaded(test::scene_with(
+      "", "", R"({"type": "sphere", "name": "a \"ball\"", "radius": 1, "material": "light"})"));
+  MemoryAssets files(written(scene));
+  const auto again = load_scene(files, "out.json", "out.json");
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->shape_names, scene.shape_names);
+  EXPECT_EQ(again->shape_names.front(), "a \"ball\"");
 }
 
 TEST(SceneWriter, WritesPixelsOfEachFormat) {
