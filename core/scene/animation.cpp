@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "core/base/overloaded.hpp"
+#include "core/scene/tables/camera_tables.hpp"
 
 namespace tessera::core {
 namespace {
@@ -21,6 +22,13 @@ bool is_sound_track(const Track<T>& track) {
 template <typename... Tracks>
 bool are_sound_tracks(const Tracks&... tracks) {
   return (is_sound_track(tracks) && ...);
+}
+
+bool is_sound_camera(const CameraAnimation& camera) {
+  bool is_sound = true;
+  visit_tracks(kKeys<CameraDescription>, camera,
+               [&](const auto& track) { is_sound = is_sound && is_sound_track(track); });
+  return is_sound;
 }
 
 bool is_number(float value) {
@@ -71,31 +79,19 @@ bool is_sound_step(const MotionStep& step) {
 
 }  // namespace
 
-bool is_animated(const CameraAnimation& c) {
-  return !(c.position.empty() && c.look_at.empty() && c.up.empty() && c.vertical_fov_degrees.empty() &&
-           c.aperture_radius.empty() && c.focus_distance.empty() && c.aperture_rotation_degrees.empty() &&
-           c.view_height.empty() && c.lens_shift.empty());
+bool is_animated(const CameraAnimation& camera) {
+  bool is_animated = false;
+  visit_tracks(kKeys<CameraDescription>, camera,
+               [&](const auto& track) { is_animated = is_animated || !track.empty(); });
+  return is_animated;
 }
 
-CameraDescription camera_at(const CameraDescription& camera, const CameraAnimation& a, float frame) {
-  CameraDescription at = camera;
-  at.position = value_at(a.position, frame, camera.position);
-  at.look_at = value_at(a.look_at, frame, camera.look_at);
-  at.up = value_at(a.up, frame, camera.up);
-  at.vertical_fov_degrees = value_at(a.vertical_fov_degrees, frame, camera.vertical_fov_degrees);
-  at.aperture_radius = value_at(a.aperture_radius, frame, camera.aperture_radius);
-  at.focus_distance = value_at(a.focus_distance, frame, camera.focus_distance);
-  at.aperture_rotation_degrees =
-      value_at(a.aperture_rotation_degrees, frame, camera.aperture_rotation_degrees);
-  at.view_height = value_at(a.view_height, frame, camera.view_height);
-  at.lens_shift = value_at(a.lens_shift, frame, camera.lens_shift);
-  return at;
+CameraDescription camera_at(const CameraDescription& camera, const CameraAnimation& animation, float frame) {
+  return tracked_values_at(kKeys<CameraDescription>, camera, animation, frame);
 }
 
 bool is_sound(const Animation& animation) {
-  const CameraAnimation& c = animation.camera;
-  return are_sound_tracks(c.position, c.look_at, c.up, c.vertical_fov_degrees, c.aperture_radius,
-                          c.focus_distance, c.aperture_rotation_degrees, c.view_height, c.lens_shift) &&
+  return is_sound_camera(animation.camera) &&
          std::all_of(animation.lights.begin(), animation.lights.end(),
                      [](const LightAnimation& light) {
                        return are_sound_tracks(light.position, light.look_at, light.direction, light.color,

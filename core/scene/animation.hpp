@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keyframed parameters of a scene: those of the camera, of lights, materials, media and the environment, and
-// the placements of instances. Geometry and textures do not change. Plain data and pure functions.
+// the placements of instances. Meshes that deform have their steps themselves. Plain data and pure functions.
 #pragma once
 
 #include <cstdint>
@@ -42,6 +42,7 @@ struct Animation {
   std::vector<InstanceMotion> instances;
   std::vector<IndexedTracks> materials{}, media{};
   ParameterTracks environment{};
+  bool deforms = false;  // there are meshes with steps
 
   // Whether surfaces, or what is between them, look different from frame to frame.
   bool changes_materials() const { return !materials.empty() || !media.empty(); }
@@ -50,7 +51,7 @@ struct Animation {
 bool is_animated(const CameraAnimation& camera);
 inline bool is_animated(const Animation& animation) {
   return is_animated(animation.camera) || !animation.lights.empty() || !animation.instances.empty() ||
-         animation.changes_materials() || !animation.environment.empty();
+         animation.changes_materials() || !animation.environment.empty() || animation.deforms;
 }
 
 // `camera` with the parameters that are animated at a frame.

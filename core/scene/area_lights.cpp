@@ -156,6 +156,7 @@ std::uint32_t AreaLightFinder::add_light(const LightShape& shape, const Primitiv
   const double watts = power(light, 1);
   if (!(watts > 0 && std::isfinite(watts))) return kNoLight;
   lights_.push_back(light);
+  materials_of_lights_.push_back(material_id);
   return static_cast<std::uint32_t>(lights_.size()) - 1;
 }
 

@@ -67,6 +67,8 @@ class AreaLightFinder {
   void find(const Primitives& scene, const Quads& quads);
 
   std::vector<Light> take_lights() { return std::move(lights_); }
+  // Of each light.
+  const std::vector<std::uint32_t>& materials() const { return materials_of_lights_; }
   LightMap take_map() { return std::move(map_); }
 
  private:
@@ -80,6 +82,7 @@ class AreaLightFinder {
   const std::vector<Material>& materials_;
   std::vector<double> mean_radiances_;  // of the emission of each material
   std::vector<Light> lights_;
+  std::vector<std::uint32_t> materials_of_lights_;
   LightMap map_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> tables_;  // by object and material
 };

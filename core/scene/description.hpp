@@ -12,6 +12,7 @@
 
 #include "core/camera/camera_description.hpp"
 #include "core/geometry/curves.hpp"
+#include "core/geometry/vertex_motion.hpp"
 #include "core/image/display.hpp"
 #include "core/lights/spot_description.hpp"
 #include "core/materials/material.hpp"
@@ -36,6 +37,9 @@ struct MeshDescription {
   // multiply the material's base colour: Lambert's albedo, Mirror's reflectance, the diffuse part of Phong
   // and CookTorrance, and f0 of a CookTorrance without diffuse part. Glass and conductors ignore them.
   std::vector<Rgb> colors{};
+  // Of a mesh that deforms, all of its frames, which must be sound; else empty. `positions` and `normals` are
+  // then those at frame 0. Such a mesh cannot emit.
+  std::vector<MeshStep> steps{};
 };
 
 struct SphereDescription {
@@ -89,6 +93,12 @@ using ShapeDescription =
     std::variant<MeshDescription, SphereDescription, QuadDescription, InstanceDescription, DiskDescription,
                  CylinderDescription, CurvesDescription>;
 
+// Whether it is a mesh that deforms.
+inline bool deforms(const ShapeDescription& shape) {
+  const auto* mesh = std::get_if<MeshDescription>(&shape);
+  return mesh != nullptr && !mesh->steps.empty();
+}
+
 // Shapes that are rendered only through instances, stored once.
 struct ObjectDescription {
   std::string name;
@@ -103,6 +113,7 @@ struct PointLightDescription {
   // reflection from the space in which its centre is at -z and its upper edge at +y to the world.
   int texture = -1;
   Transform orientation{};
+  std::string light_group{};  // empty for none, here and below
 };
 
 struct SpotLightDescription {
@@ -112,15 +123,21 @@ struct SpotLightDescription {
   float softness = 0.2f;     // fraction of the cone, from its edge inwards, with falloff
   SpotFalloff falloff = SpotFalloff::kSmooth;
   ProjectedImage image{};
+  std::string light_group{};
 };
 
 struct DirectionalLightDescription {
   Vec3 direction;  // the direction of travel; need not have unit length
   Rgb irradiance;  // of a surface that faces the light
+  std::string light_group{};
 };
 
 using LightDescription =
     std::variant<PointLightDescription, SpotLightDescription, DirectionalLightDescription>;
+
+inline const std::string& light_group_of(const LightDescription& light) {
+  return std::visit([](const auto& of_type) -> const std::string& { return of_type.light_group; }, light);
+}
 
 // The radiance of rays that escape the scene.
 struct EnvironmentDescription {
@@ -130,13 +147,8 @@ struct EnvironmentDescription {
   // of the image is at -z and its upper edge at +y to the world. The origin has no effect.
   Transform orientation{};
   bool visible_to_camera = true;  // else camera rays that miss all shapes are black
+  std::string light_group{};
 };
-
-template <typename Visit>
-void visit_values(EnvironmentDescription& environment, const Visit& visit) {
-  visit("radiance", environment.radiance.value);
-  visit("rotation_degrees", environment.rotation_degrees);
-}
 
 struct SceneDescription {
   RenderSettings settings;

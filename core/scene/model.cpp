@@ -30,8 +30,10 @@ void reserve(const std::vector<ShapeDescription>& shapes, Primitives& primitives
 
 // Moves the mesh's memory or frees it before the next is added.
 void add_mesh(MeshDescription mesh, Primitives& primitives) {
+  const std::uint32_t first_triangle = primitives.triangle_count();
   primitives.add_mesh(std::move(mesh.positions), mesh.normals, mesh.uvs, std::move(mesh.triangles),
                       mesh.triangle_materials, mesh.colors);
+  if (!mesh.steps.empty()) primitives.deform_last_mesh(mesh.steps, first_triangle);
 }
 
 // Calls add(shape) for each shape of a type, in order, and notes where its primitives begin.
@@ -45,12 +47,13 @@ void add_each(std::vector<ShapeDescription>& shapes, Model& model, const Add& ad
   }
 }
 
-// Meshes and quads, in their order among each other.
-void add_triangles(std::vector<ShapeDescription>& shapes, Model& model) {
+// Meshes and quads, in their order among each other: those that deform, or the others.
+void add_triangles(std::vector<ShapeDescription>& shapes, Model& model, bool deforming) {
   for (std::uint32_t i = 0; i < shapes.size(); ++i) {
+    if (deforms(shapes[i]) != deforming) continue;
     const ShapeStart start{model.primitives.shape_count(), i};
     if (auto* mesh = std::get_if<MeshDescription>(&shapes[i]))
-      add_mesh(std::move(*mesh), model.primitives);
+      add_mesh(std::exchange(*mesh, {}), model.primitives);
     else if (const auto* quad = std::get_if<QuadDescription>(&shapes[i]))
       add_quad(*quad, model);
     else
@@ -65,7 +68,8 @@ Model make_model(std::vector<ShapeDescription>& shapes) {
   Model model;
   Primitives& primitives = model.primitives;
   reserve(shapes, primitives);
-  add_triangles(shapes, model);
+  add_triangles(shapes, model, false);
+  add_triangles(shapes, model, true);
   add_each<SphereDescription>(shapes, model, [&](const SphereDescription& sphere) {
     primitives.add_sphere(sphere.center, sphere.radius, sphere.material);
   });

@@ -3,7 +3,6 @@
 // Of a parameter with a texture, they are those of its factor. Plain data and pure functions.
 #pragma once
 
-#include <concepts>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -55,59 +54,19 @@ struct IndexedTracks {
   ParameterTracks tracks;
 };
 
-// Calls visit(key, value) for each number and colour of a material that can have keyframes.
-template <typename Visit>
-void visit_values(Material& material, const Visit& visit) {
-  visit_parameters(material.model,
-                   [&](std::string_view key, auto& parameter) { visit(key, parameter.value); });
-  visit("emission", material.emission.value);
-  visit("opacity", material.opacity.value);
-  visit("normal_map", material.normal_map.strength);
-  visit("bump", material.bump.height);
-}
-template <typename Visit>
-void visit_values(MediumDescription& medium, const Visit& visit) {
-  visit("sigma_a", medium.sigma_a);
-  visit("sigma_s", medium.sigma_s);
-  visit("scale", medium.scale);
-  visit("g", medium.g);
-  visit("emission", medium.emission);
-}
+struct EnvironmentDescription;
 
-// `values`, a material, a medium or an environment, as it is at a frame.
-template <typename Values>
-Values values_at(Values values, const ParameterTracks& tracks, float frame) {
-  visit_values(values, [&]<typename T>(std::string_view key, T& value) {
-    if constexpr (std::same_as<T, float>) {
-      if (const auto* track = tracks.number(key)) value = value_at(*track, frame, value);
-    } else {
-      if (const auto* track = tracks.color(key)) value = value_at(*track, frame, value);
-    }
-  });
-  return values;
-}
+// As they are at a frame.
+Material values_at(const Material& material, const ParameterTracks& tracks, float frame);
+MediumDescription values_at(const MediumDescription& medium, const ParameterTracks& tracks, float frame);
+EnvironmentDescription values_at(const EnvironmentDescription& environment, const ParameterTracks& tracks,
+                                 float frame);
 
 // The least (or greatest) values at any frame.
-inline float extreme(float a, float b, bool greatest) {
-  return (a < b) == greatest ? b : a;
-}
-inline Rgb extreme(Rgb a, Rgb b, bool greatest) {
-  return {extreme(a.r, b.r, greatest), extreme(a.g, b.g, greatest), extreme(a.b, b.b, greatest)};
-}
-template <typename Values>
-Values extreme_values(Values values, const ParameterTracks& tracks, bool greatest) {
-  const auto widen = [greatest](auto& value, const auto* track) {
-    if (track == nullptr) return;
-    for (const auto& each : track->values) value = extreme(value, each, greatest);
-  };
-  visit_values(values, [&]<typename T>(std::string_view key, T& value) {
-    if constexpr (std::same_as<T, float>) {
-      widen(value, tracks.number(key));
-    } else {
-      widen(value, tracks.color(key));
-    }
-  });
-  return values;
-}
+Material extreme_values(const Material& material, const ParameterTracks& tracks, bool greatest);
+MediumDescription extreme_values(const MediumDescription& medium, const ParameterTracks& tracks,
+                                 bool greatest);
+EnvironmentDescription extreme_values(const EnvironmentDescription& environment,
+                                      const ParameterTracks& tracks, bool greatest);
 
 }  // namespace tessera::core

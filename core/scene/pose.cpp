@@ -6,36 +6,23 @@
 #include <algorithm>
 #include <set>
 
-#include "core/base/overloaded.hpp"
 #include "core/geometry/moving_placement.hpp"
+#include "core/scene/tables/camera_tables.hpp"
+#include "core/scene/tables/light_tables.hpp"
 
 namespace tessera::core {
 namespace {
 
-LightDescription light_at(const LightDescription& light, const LightAnimation& a, float frame) {
-  return std::visit(Overloaded{[&](PointLightDescription d) -> LightDescription {
-                                 d.position = value_at(a.position, frame, d.position);
-                                 d.intensity = value_at(a.color, frame, d.intensity);
-                                 return d;
-                               },
-                               [&](SpotLightDescription d) -> LightDescription {
-                                 d.position = value_at(a.position, frame, d.position);
-                                 d.look_at = value_at(a.look_at, frame, d.look_at);
-                                 d.intensity = value_at(a.color, frame, d.intensity);
-                                 d.angle_degrees = value_at(a.angle_degrees, frame, d.angle_degrees);
-                                 d.softness = value_at(a.softness, frame, d.softness);
-                                 return d;
-                               },
-                               [&](DirectionalLightDescription d) -> LightDescription {
-                                 d.direction = value_at(a.direction, frame, d.direction);
-                                 d.irradiance = value_at(a.color, frame, d.irradiance);
-                                 return d;
-                               }},
-                    light);
+LightDescription light_at(const LightDescription& light, const LightAnimation& animation, float frame) {
+  return std::visit(
+      [&]<typename Light>(const Light& description) -> LightDescription {
+        return tracked_values_at(kKeys<Light>, description, animation, frame);
+      },
+      light);
 }
 
 // Those of the interval at which the camera is checked: its ends, the keyframes in it, and some between.
-std::set<float> frames_to_check(const CameraAnimation& c, FrameInterval interval) {
+std::set<float> frames_to_check(const CameraAnimation& camera, FrameInterval interval) {
   constexpr int kParts = 16;
   std::set<float> frames;
   for (int i = 0; i <= kParts; ++i) frames.insert(interval.at(static_cast<float>(i) / kParts));
@@ -44,9 +31,7 @@ std::set<float> frames_to_check(const CameraAnimation& c, FrameInterval interval
     const auto first = std::upper_bound(all.begin(), all.end(), interval.begin);
     frames.insert(first, std::lower_bound(first, all.end(), interval.end));
   };
-  const auto add_all = [&](const auto&... tracks) { (add_keyframes(tracks), ...); };
-  add_all(c.position, c.look_at, c.up, c.vertical_fov_degrees, c.aperture_radius, c.focus_distance,
-          c.aperture_rotation_degrees, c.view_height, c.lens_shift);
+  visit_tracks(kKeys<CameraDescription>, camera, add_keyframes);
   return frames;
 }
 
@@ -106,7 +91,7 @@ FrameInterval PoseMaker::shutter(std::int32_t frame) const {
 
 Status PoseMaker::check_while_open(std::int32_t frame) const {
   const FrameInterval open = shutter(frame);
-  if (open.empty()) return {};
+  if (open.empty() && open.begin == static_cast<float>(frame)) return {};
   if (auto ok = check_moving(open); !ok)
     return fail(ok.error().within(fmt::format("frame {}, while the shutter is open", frame)));
   return {};

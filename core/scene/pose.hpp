@@ -46,7 +46,8 @@ class PoseMaker {
   // parameter.
   Result<Pose> at(std::int32_t frame) const;
 
-  // When the shutter is open for an image of the frame; empty if it takes no time.
+  // When the shutter is open for an image of the frame. If it takes no time, the interval is empty, and what
+  // would move is shown at its beginning.
   FrameInterval shutter(std::int32_t frame) const;
   // At any frame, also between two images.
   CameraDescription camera_at(float frame) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How an image with layers was made, as texts in the header of its OpenEXR file: enough to render the same
+// How an image was made, as texts in the header of its OpenEXR file: enough to render the same
 // bytes from the scene. It names nobody, no time and no machine. Pure functions.
 #pragma once
 

@@ -99,8 +99,10 @@ Camera Scene::moving_camera(float time) const {
 void Scene::open_shutter() {
   shutter_ = poses_.shutter(frame_);
   camera_moves_ = !shutter_.empty() && is_animated(animation().camera);
-  if (shutter_.empty()) return;
   const auto frame = static_cast<float>(frame_);
+  const float shown = shutter_.empty() ? shutter_.begin : frame;
+  camera_ = Camera(poses_.camera_at(shown));
+  if (animation().deforms) primitives_.deform(shown, shutter_);
   const FrameInterval until_open{std::min(frame, shutter_.begin), std::max(frame, shutter_.begin)};
   const auto& motions = animation().instances;
   for (std::size_t i = 0; i < motions.size(); ++i) {
@@ -114,33 +116,39 @@ void Scene::open_shutter() {
 }
 
 // Leaves out lights without power, which contribute nothing and could not be sampled.
-void Scene::find_lights(const std::vector<LightDescription>& lights, std::optional<Light> environment,
-                        int threads) {
+void Scene::find_lights(const std::vector<LightDescription>& lights, std::optional<Light> environment) {
   AreaLightFinder finder(materials_, textures_);
   finder.find(primitives_, quads_);
+  groups_of_lights_.clear();
+  for (const std::uint32_t material : finder.materials()) add_group(materials_[material].light_group);
   lights_ = finder.take_lights();
   light_map_ = finder.take_map();
   const double bounds = primitives_.bounding_radius(), radius = bounds > 0 ? bounds : 1;
   const auto has_power = [radius](const Light& light) { return power(light, radius) > 0; };
   for (const LightDescription& each : lights)
-    if (const Light light = make_light(each, textures_); has_power(light)) lights_.push_back(light);
+    if (const Light light = make_light(each, textures_); has_power(light)) {
+      lights_.push_back(light);
+      add_group(light_group_of(each));
+    }
   environment_light_ = kNoLight;
   if (environment && has_power(*environment)) {
     environment_light_ = static_cast<std::uint32_t>(lights_.size());
     lights_.push_back(*std::move(environment));
+    add_group(environment_group_);
   }
-  light_sampler_ = LightSampler(lights_, LightSampler::Among::kAll, threads);
-  delta_light_sampler_ = LightSampler(lights_, LightSampler::Among::kDelta, threads);
 }
 
 Result<Scene> Scene::build(SceneDescription description, int threads, std::optional<Bvh> bvh) {
   if (auto ok = validate_scene(description); !ok) return fail(ok.error());
 
   Scene scene;
-  scene.settings_ = description.settings;
+  auto settings = resolve_settings(description, {});
+  if (!settings) return fail(settings.error());
+  scene.settings_ = *std::move(settings);
+  scene.light_groups_ = core::light_groups(description);
+  if (description.environment) scene.environment_group_ = description.environment->light_group;
   scene.poses_ = PoseMaker(description);
   if (auto ok = scene.poses_.check_while_open(0); !ok) return fail(ok.error());
-  scene.camera_ = Camera(description.camera);
   scene.ids_ = SceneIds(description);
   scene.textures_ = std::move(description.textures);
   scene.grids_ = std::make_shared<const std::vector<VoxelGrid>>(std::move(description.grids));
@@ -148,7 +156,7 @@ Result<Scene> Scene::build(SceneDescription description, int threads, std::optio
   scene.set_materials(std::move(description.materials), std::move(description.media));
   scene.add_shapes(description);
   scene.open_shutter();
-  scene.find_lights(description.lights, environment_of(description.environment, scene.textures_), threads);
+  scene.find_lights(description.lights, environment_of(description.environment, scene.textures_));
   scene.bvh_ = bvh ? std::move(*bvh) : Bvh::build(scene.primitives_, threads);
   return scene;
 }
@@ -173,16 +181,15 @@ Status Scene::set_frame(std::int32_t frame, int threads) {
   if (!pose) return fail(pose.error());
   const auto& moving = poses_.moving();
   frame_ = frame;
+  ++revision_;
   primitives_.stop_instances();
   for (std::size_t i = 0; i < moving.size(); ++i)
     primitives_.place_instance(moving[i].number, Placement(pose->placements[i]));
   open_shutter();
-  if (!moving.empty()) bvh_.rebuild_own(primitives_, threads);
+  const bool shapes_move = !moving.empty() || animation().deforms;
+  if (shapes_move) bvh_.rebuild(primitives_, threads);
   if (animation().changes_materials()) set_materials(pose->materials, pose->media);
-  if (!moving.empty() || changes_lights(animation()))
-    find_lights(pose->lights, environment_at(*pose), threads);
-  camera_ = Camera(pose->camera);
-  light_guide_ = {};
+  if (shapes_move || changes_lights(animation())) find_lights(pose->lights, environment_at(*pose));
   return {};
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A scene ready to render: flat arrays, shared by all threads. Building it validates everything, so rendering
-// cannot fail. It shows one frame at a time: set_frame() moves what is animated, and keeps all geometry.
+// cannot fail. It shows one frame at a time: set_frame() moves what is animated, and keeps all else.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,13 @@
 
 #include "core/accel/bvh.hpp"
 #include "core/base/error.hpp"
-#include "core/base/lazy.hpp"
 #include "core/camera/camera.hpp"
 #include "core/geometry/primitives.hpp"
-#include "core/guiding/light_guide.hpp"
 #include "core/lights/light.hpp"
-#include "core/lights/light_sampler.hpp"
 #include "core/media/medium.hpp"
 #include "core/scene/area_lights.hpp"
 #include "core/scene/description.hpp"
+#include "core/scene/light_groups.hpp"
 #include "core/scene/pose.hpp"
 #include "core/scene/scene_ids.hpp"
 
@@ -31,15 +29,19 @@ class Scene {
   static Result<Scene> build(SceneDescription description, int threads, std::optional<Bvh> bvh = {});
 
   // Shows another frame; a scene that was built shows frame 0. The result is that of a scene that was never
-  // at another frame, bit for bit. Nothing else may use the scene meanwhile. Geometry, textures and the trees
-  // of objects stay; the scene's own tree is built again if instances move. INVALID_ARGUMENT, and no change,
-  // if the scene cannot be rendered at the frame. Unspecified after std::bad_alloc.
+  // at another frame, bit for bit. Nothing else may use the scene meanwhile. Other geometry, textures and the
+  // trees of objects stay; the scene's own tree is built again if instances move or meshes deform.
+  // INVALID_ARGUMENT, and no change, if the scene cannot be rendered at the frame. Unspecified after
+  // std::bad_alloc.
   Status set_frame(std::int32_t frame, int threads);
   std::int32_t frame() const { return frame_; }
+  // Another number after each change of what the scene shows.
+  std::uint64_t revision() const { return revision_; }
   const Animation& animation() const { return poses_.animation(); }
 
   const RenderSettings& settings() const { return settings_; }
-  // The camera at the frame; while the shutter is open, camera_ray() counts.
+  // The camera at the frame, or when a shutter opens that takes no time; while one is open, camera_ray()
+  // counts.
   const Camera& camera() const { return camera_; }
   // Camera::ray() at a time from 0, when the shutter opens, to 1, when it closes.
   Ray camera_ray(Vec2 raster, int width_px, int height_px, Vec2 u_lens, float time) const {
@@ -60,9 +62,12 @@ class Scene {
   const std::vector<Material>& materials() const { return materials_; }
   // All lights with power: area lights, then delta lights, then the environment.
   const std::vector<Light>& lights() const { return lights_; }
-  const LightSampler& light_sampler() const { return light_sampler_; }
-  // Samples only delta lights.
-  const LightSampler& delta_light_sampler() const { return delta_light_sampler_; }
+  // Those that lights, materials and the environment name, sorted.
+  const std::vector<std::string>& light_groups() const { return light_groups_; }
+  // The index of the light's group among these, or kNoLightGroup.
+  std::uint32_t light_group(std::uint32_t light) const {
+    return light < groups_of_lights_.size() ? groups_of_lights_[light] : kNoLightGroup;
+  }
 
   // Indices as in MediumInterface.
   const std::vector<Medium>& media() const { return media_; }
@@ -89,9 +94,6 @@ class Scene {
   std::uint32_t environment_light() const { return environment_light_; }
   const Environment& environment() const { return *std::get_if<Environment>(&lights_[environment_light_]); }
 
-  // The guide that integrators build on first use (caustic_guide.hpp).
-  const Lazy<LightGuide>& light_guide() const { return light_guide_; }
-
  private:
   // Sets materials and media as they are described, with the media that materials add.
   void set_materials(std::vector<Material> materials, std::vector<MediumDescription> media);
@@ -100,15 +102,18 @@ class Scene {
   // The environment at a pose: that of the present frame, which is moved from, if it has no keyframes.
   std::optional<Light> environment_at(const Pose& pose);
   // Lets move at the present frame what moves while the shutter is open, and places what stands still
-  // meanwhile, but not between the frame and that time.
+  // meanwhile, but not between the frame and that time. Sets the camera.
   void open_shutter();
   // All lights, for the present placements of instances.
-  void find_lights(const std::vector<LightDescription>& lights, std::optional<Light> environment,
-                   int threads);
+  void find_lights(const std::vector<LightDescription>& lights, std::optional<Light> environment);
+  void add_group(const std::string& name) {
+    if (!light_groups_.empty()) groups_of_lights_.push_back(index_of_group(light_groups_, name));
+  }
 
   RenderSettings settings_;
   PoseMaker poses_;
   std::int32_t frame_ = 0;
+  std::uint64_t revision_ = 0;
   FrameInterval shutter_;
   Camera camera_;
   bool camera_moves_ = false;
@@ -124,10 +129,11 @@ class Scene {
   int camera_medium_ = kNoMedium;
   bool has_media_ = false;
   std::vector<Light> lights_;
+  std::vector<std::string> light_groups_;
+  std::vector<std::uint32_t> groups_of_lights_;  // empty without groups
   LightMap light_map_;
   std::uint32_t environment_light_ = kNoLight;
-  LightSampler light_sampler_, delta_light_sampler_;
-  Lazy<LightGuide> light_guide_;
+  std::string environment_group_;
 };
 
 }  // namespace tessera::core

@@ -4,12 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <concepts>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "core/geometry/placement.hpp"
+#include "core/scene/tables/check.hpp"
+#include "core/scene/tables/material_tables.hpp"
+#include "core/scene/tables/medium_tables.hpp"
 
 namespace tessera::core {
 namespace {
@@ -18,44 +22,54 @@ tl::unexpected<Error> invalid_part(std::string message) {
   return fail(ErrorCode::kInvalidArgument, std::move(message));
 }
 
-bool is_in_range(std::string_view, const ColorParameter& color) {
-  return is_valid_radiance(color.value);
+NameCounts counts_of(const SceneDescription& scene) {
+  return {scene.textures.size(), scene.media.size(), scene.grids.size()};
 }
 
-bool is_in_range(std::string_view key, const ScalarParameter& scalar) {
-  if (key.ends_with("ior")) return scalar.value > 0 && std::isfinite(scalar.value);
-  return scalar.value >= 0 && std::isfinite(scalar.value);
+std::optional<KeyMistake> mistake_in(const Material& material, const NameCounts& counts) {
+  auto mistake = std::visit(
+      [&]<typename Model>(const Model& model) { return find_mistake(kKeys<Model>, model, counts); },
+      material.model);
+  return mistake ? mistake : find_mistake(kKeys<Material>, material, counts);
 }
 
-Status check_material(const Material& material, const std::vector<Texture>& textures) {
-  const auto texture_count = static_cast<int>(textures.size());
+Status check_material(const Material& material, const SceneDescription& scene) {
   const auto wrong = [&](std::string_view what) {
     return invalid_part(fmt::format("material '{}': {}", material.name, what));
   };
-  std::string_view mistaken;
-  visit_parameters(material.model, [&](std::string_view key, const auto& parameter) {
-    if (parameter.texture >= texture_count || !is_in_range(key, parameter)) mistaken = key;
-  });
-  if (!mistaken.empty()) return wrong(fmt::format("{} is out of range, or its texture", mistaken));
-  if (material.normal_map.texture >= texture_count || !std::isfinite(material.normal_map.strength))
-    return wrong("the normal map's texture or its strength is out of range");
-  if (material.bump.texture >= texture_count || !std::isfinite(material.bump.height))
-    return wrong("the bump map's texture or its height is out of range");
-  const ScalarParameter& opacity = material.opacity;
-  if (opacity.texture >= texture_count || !(opacity.value >= 0 && opacity.value <= 1))
-    return wrong("opacity must be between 0 and 1, or its texture is out of range");
+  if (const auto mistake = mistake_in(material, counts_of(scene))) return wrong(mistake->text());
   if (material.sampling == Sampling::kHalfVector && !std::holds_alternative<CookTorrance>(material.model))
     return wrong("only cook_torrance can be sampled by half-vectors");
-  if (const auto* hair = std::get_if<Hair>(&material.model))
-    if (!(std::fabs(hair->tilt_degrees) <= kMaxHairTiltDegrees))
-      return wrong(fmt::format("tilt_degrees must be between -{0} and {0}", kMaxHairTiltDegrees));
-  if (!is_valid_radiance(material.emission.value)) return wrong("emission must be finite and not negative");
   if (std::holds_alternative<Null>(material.model) && !is_black(material.emission.value))
     return wrong("a null material cannot emit");
-  if (material.emission.texture >= texture_count) return wrong("emission: there is no such texture");
-  if (!is_valid_radiance(material.emission, textures))
+  if (!is_valid_radiance(material.emission, scene.textures))
     return wrong("emission times its texture is too bright to be computed; lower it");
   return {};
+}
+
+// Whether the value changes. What is no number becomes the least.
+bool clamp_value(float& value, const Domain& domain) {
+  const auto min = static_cast<float>(domain.range.min), max = static_cast<float>(domain.range.max);
+  const float clamped = value > min ? std::min(value, max) : min;
+  return std::exchange(value, clamped) != clamped;
+}
+bool clamp_value(Rgb& value, const Domain& domain) {
+  bool changes = false;
+  for (float* channel : {&value.r, &value.g, &value.b}) changes |= clamp_value(*channel, domain);
+  return changes;
+}
+template <typename Value>
+bool clamp_value(Value& value, const Domain& domain) {
+  if constexpr (HasTable<Value>) {
+    bool changes = false;
+    visit_members(kKeys<Value>, value,
+                  [&](const auto& key, auto& member) { changes |= clamp_value(member, key.domain); });
+    return changes;
+  } else if constexpr (std::same_as<Value, ColorParameter> || std::same_as<Value, ScalarParameter>) {
+    return value.texture < 0 && clamp_value(value.value, domain);
+  } else {
+    return false;
+  }
 }
 
 bool is_medium(int medium, const SceneDescription& scene) {
@@ -76,6 +90,16 @@ Status check_blend(const Material& material, const Blend& blend, const std::vect
   if (depths.back() <= kMaxBlendDepth) return {};
   return invalid_part(
       fmt::format("material '{}': blends of blends may be {} deep", material.name, kMaxBlendDepth));
+}
+
+// The material that stands behind as many as there are depths.
+Status check_next(const Material& material, const std::vector<Material>& all, const SceneDescription& scene,
+                  std::vector<int>& blend_depths) {
+  blend_depths.push_back(0);
+  if (auto ok = check_material(material, scene); !ok) return ok;
+  if (const auto* blend = std::get_if<Blend>(&material.model))
+    if (auto ok = check_blend(material, *blend, all, blend_depths); !ok) return ok;
+  return {};
 }
 
 // Whether the coefficients and the products with the grid's values can be computed.
@@ -101,32 +125,47 @@ bool is_valid_radiance(const ColorParameter& color, const std::vector<Texture>& 
          is_valid_radiance(color.value * textures[static_cast<std::size_t>(color.texture)].image->largest());
 }
 
+std::vector<std::string_view> clamp_to_ranges(Material& material) {
+  std::vector<std::string_view> clamped;
+  visit_keys(material, [&](const auto& key, auto& value) {
+    if (clamp_value(value, key.domain)) clamped.push_back(key.name);
+  });
+  return clamped;
+}
+
+std::string clamped_text(std::string_view material, std::string_view key) {
+  return fmt::format("material '{}': {} is out of range; it is clamped", material, key);
+}
+
 Status check_materials(const std::vector<Material>& materials, const SceneDescription& scene) {
   std::vector<int> blend_depths;
-  for (const Material& material : materials) {
-    blend_depths.push_back(0);
-    if (auto ok = check_material(material, scene.textures); !ok) return ok;
-    if (const auto* blend = std::get_if<Blend>(&material.model))
-      if (auto ok = check_blend(material, *blend, materials, blend_depths); !ok) return ok;
-    if (!is_medium(material.media.interior, scene) || !is_medium(material.media.exterior, scene))
-      return invalid_part(fmt::format("material '{}': there is no such medium", material.name));
-  }
+  for (const Material& material : materials)
+    if (auto ok = check_next(material, materials, scene, blend_depths); !ok) return ok;
   return {};
+}
+
+void check_each_material(const SceneDescription& scene,
+                         const std::function<void(std::size_t, const Error&)>& refuse) {
+  std::vector<int> blend_depths;
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    const Status ok = check_next(scene.materials[i], scene.materials, scene, blend_depths);
+    if (ok) continue;
+    blend_depths.back() = 0;
+    refuse(i, ok.error());
+  }
 }
 
 Status check_medium(const MediumDescription& medium, const SceneDescription& scene) {
   const auto wrong = [&](std::string_view what) {
     return invalid_part(fmt::format("medium '{}': {}", medium.name, what));
   };
-  for (const int grid : {medium.absorption_grid, medium.scattering_grid, medium.emission_grid})
-    if (grid < -1 || grid >= static_cast<int>(scene.grids.size())) return wrong("there is no such grid");
-  if (!(medium.scale >= 0) ||
-      !is_valid_coefficient(medium.sigma_a * medium.scale, medium.absorption_grid, scene) ||
+  if (const auto mistake = find_mistake(kKeys<MediumDescription>, medium, counts_of(scene)))
+    return wrong(mistake->text());
+  if (!is_valid_coefficient(medium.sigma_a * medium.scale, medium.absorption_grid, scene) ||
       !is_valid_coefficient(medium.sigma_s * medium.scale, medium.scattering_grid, scene))
     return wrong("sigma_a, sigma_s and scale must be from 0 to 1e18, also times the grid's values");
   if (!is_valid_coefficient(medium.emission, medium.emission_grid, scene))
     return wrong("emission must be from 0 to 1e18, also times the grid's values");
-  if (!(medium.g > -1 && medium.g < 1)) return wrong("g must be above -1 and below 1");
   if (medium.has_grid() && !Placement::can_place(medium.grid_to_world))
     return wrong("the transform flattens the grid, or scales or moves it too far to be computed");
   return {};

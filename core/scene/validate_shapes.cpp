@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,7 +28,23 @@ bool is_share(Rgb c) {
   return is_valid_radiance(c) && max_component(c) <= 1;
 }
 
+// The coordinates are checked before those of the mesh at rest, which lie between.
+Status check_steps(const MeshDescription& mesh) {
+  if (!are_sound(mesh.steps, mesh.positions.size(), !mesh.normals.empty()))
+    return invalid_shape(
+        "a mesh that deforms needs two steps or more, in the order of their frames, of equally many "
+        "vertices");
+  for (const MeshStep& step : mesh.steps)
+    for (std::size_t i = 0; i < step.positions.size(); ++i)
+      if (!is_valid_point(step.positions[i]))
+        return invalid_shape(fmt::format("frame {}, vertex {}: coordinates must be numbers of at most {:g}",
+                                         step.frame, i + 1, kMaxCoordinate));
+  return {};
+}
+
 Status check_mesh(const MeshDescription& mesh, std::size_t material_count) {
+  if (!mesh.steps.empty())
+    if (auto ok = check_steps(mesh); !ok) return ok;
   const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
   for (std::size_t i = 0; i < vertices; ++i)
     if (!is_valid_point(mesh.positions[i]))
@@ -58,6 +75,8 @@ Aabb bounds_of(const ShapeDescription& shape) {
   Aabb box;
   if (const auto* mesh = std::get_if<MeshDescription>(&shape)) {
     for (const Vec3 p : mesh->positions) box.include(p);
+    for (const MeshStep& step : mesh->steps)
+      for (const Vec3 p : step.positions) box.include(p);
   } else if (const auto* sphere = std::get_if<SphereDescription>(&shape)) {
     const Vec3 reach{sphere->radius, sphere->radius, sphere->radius};
     box.include(sphere->center - reach);
@@ -79,7 +98,7 @@ Aabb bounds_of(const ShapeDescription& shape) {
 struct ObjectFacts {
   Aabb bounds;
   std::vector<std::uint32_t> sphere_materials;
-  bool has_curves = false;
+  bool has_curves = false, deforms = false;
 };
 
 ObjectFacts facts_of(const ObjectDescription& object) {
@@ -89,6 +108,7 @@ ObjectFacts facts_of(const ObjectDescription& object) {
     if (const auto* sphere = std::get_if<SphereDescription>(&shape))
       facts.sphere_materials.push_back(sphere->material);
     facts.has_curves |= std::holds_alternative<CurvesDescription>(shape);
+    facts.deforms |= deforms(shape);
   }
   return facts;
 }
@@ -104,8 +124,17 @@ PlacementLimits limits_of(const ObjectFacts& object, const InstanceDescription& 
   return {object.bounds, has_emissive_sphere(object, instance, scene)};
 }
 
+Status check_transform(const Transform& to_world) {
+  if (Placement::can_place(to_world)) return {};
+  return invalid_shape("the transform flattens the object, or scales or moves it too far to be computed");
+}
+
 Status curves_cannot_emit() {
   return invalid_shape("curves cannot emit light: give them a material without emission");
+}
+
+Status deforming_meshes_cannot_emit() {
+  return invalid_shape("a mesh that deforms cannot emit light: give it a material without emission");
 }
 
 Status check_instance(const InstanceDescription& instance, const SceneDescription& scene,
@@ -116,6 +145,8 @@ Status check_instance(const InstanceDescription& instance, const SceneDescriptio
     return invalid_shape(fmt::format("there is no material {}", *instance.material));
   if (instance.material && objects[instance.object].has_curves && can_emit(*instance.material, scene))
     return curves_cannot_emit();
+  if (instance.material && objects[instance.object].deforms && can_emit(*instance.material, scene))
+    return deforming_meshes_cannot_emit();
   return validate_placement(instance.to_world, limits_of(objects[instance.object], instance, scene));
 }
 
@@ -164,7 +195,15 @@ Status check_shape(const ShapeDescription& shape, const SceneDescription& scene,
   const std::size_t material_count = scene.materials.size();
   return std::visit(
       Overloaded{
-          [&](const MeshDescription& mesh) { return check_mesh(mesh, material_count); },
+          [&](const MeshDescription& mesh) -> Status {
+            if (auto ok = check_mesh(mesh, material_count); !ok || mesh.steps.empty()) return ok;
+            const std::set<std::uint32_t> materials(mesh.triangle_materials.begin(),
+                                                    mesh.triangle_materials.end());
+            return std::any_of(materials.begin(), materials.end(),
+                               [&](std::uint32_t m) { return can_emit(m, scene); })
+                       ? deforming_meshes_cannot_emit()
+                       : Status();
+          },
           [&](const SphereDescription& s) -> Status {
             if (!is_valid_point(s.center) || !(s.radius > 0 && s.radius <= kMaxCoordinate))
               return invalid_shape(fmt::format(
@@ -231,6 +270,20 @@ bool can_emit(std::uint32_t material, const SceneDescription& scene) {
   });
 }
 
+Status validate_shape(const ShapeDescription& shape, const SceneDescription& scene) {
+  const auto* instance = std::get_if<InstanceDescription>(&shape);
+  return instance == nullptr ? check_shape(shape, scene, {}) : check_transform(instance->to_world);
+}
+
+void check_instances(const SceneDescription& scene,
+                     const std::function<void(std::size_t, const Error&)>& refuse) {
+  std::vector<ObjectFacts> objects;
+  for (const ObjectDescription& object : scene.objects) objects.push_back(facts_of(object));
+  for (std::size_t i = 0; i < scene.shapes.size(); ++i)
+    if (const auto* instance = std::get_if<InstanceDescription>(&scene.shapes[i]))
+      if (const Status ok = check_instance(*instance, scene, objects); !ok) refuse(i, ok.error());
+}
+
 Status check_all_shapes(const SceneDescription& scene) {
   std::vector<ObjectFacts> objects;
   for (const ObjectDescription& object : scene.objects) {
@@ -246,8 +299,7 @@ PlacementLimits placement_limits(const SceneDescription& scene, const InstanceDe
 }
 
 Status validate_placement(const Transform& to_world, const PlacementLimits& limits) {
-  if (!Placement::can_place(to_world))
-    return invalid_shape("the transform flattens the object, or scales or moves it too far to be computed");
+  if (auto ok = check_transform(to_world); !ok) return ok;
   const Aabb box = Placement(to_world).bounds(limits.object_bounds);
   if (!is_valid_point(box.lower) || !is_valid_point(box.upper))
     return invalid_shape(fmt::format("the object reaches farther than {:g} there", kMaxCoordinate));

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -12,6 +13,10 @@
 #include "core/geometry/placement.hpp"
 #include "core/geometry/primitives.hpp"
 #include "core/scene/analytic_shapes.hpp"
+#include "core/scene/light_groups.hpp"
+#include "core/scene/tables/camera_tables.hpp"
+#include "core/scene/tables/check.hpp"
+#include "core/scene/tables/light_tables.hpp"
 #include "core/scene/validate_materials.hpp"
 #include "core/scene/validate_shapes.hpp"
 
@@ -25,27 +30,15 @@ tl::unexpected<Error> invalid(std::string message) {
 }  // namespace
 
 Status validate_camera(const CameraDescription& camera) {
-  if (!is_valid_point(camera.position) || !is_valid_point(camera.look_at) || !is_finite(camera.up))
-    return invalid("camera: position, look_at and up must be finite numbers");
+  if (const auto mistake = find_mistake(kKeys<CameraDescription>, camera, NameCounts{}))
+    return invalid(fmt::format("camera.{}: {}", mistake->key, mistake->what));
   const Vec3 view = camera.look_at - camera.position;
   if (!(length_squared(view) > 0)) return invalid("camera.look_at: must differ from camera.position");
   const Vec3 across = cross(normalize(view), camera.up);
   if (!(length_squared(across) > 0))
     return invalid("camera.up: must not be parallel to the viewing direction");
-  if (camera.type == CameraType::kOrthographic &&
-      !(camera.view_height > 0 && camera.view_height <= kMaxCoordinate))
-    return invalid(fmt::format("camera.view_height: must be above 0 and at most {:g}, got {}", kMaxCoordinate,
-                               camera.view_height));
-  const auto is_shift = [](float shift) { return std::fabs(shift) <= kMaxLensShift; };
-  if (!is_shift(camera.lens_shift.x) || !is_shift(camera.lens_shift.y))
-    return invalid(fmt::format("camera.lens_shift: must be between -{0} and {0}, got [{1}, {2}]",
-                               kMaxLensShift, camera.lens_shift.x, camera.lens_shift.y));
-  if (!(camera.vertical_fov_degrees > 0 && camera.vertical_fov_degrees < 180))
-    return invalid(fmt::format("camera.vertical_fov_degrees: must lie between 0 and 180, got {}",
-                               camera.vertical_fov_degrees));
-  if (!(camera.aperture_radius >= 0 && camera.aperture_radius <= kMaxCoordinate))
-    return invalid(fmt::format("camera.aperture_radius: must be between 0 and {:g}, got {}", kMaxCoordinate,
-                               camera.aperture_radius));
+  if (camera.type == CameraType::kOrthographic && !(camera.view_height > 0))
+    return invalid(fmt::format("camera.view_height: must be above 0, got {}", camera.view_height));
   const auto is_near_frame = [](float frames) { return std::fabs(frames) <= kMaxShutterFrames; };
   if (!is_near_frame(camera.shutter_open) || !is_near_frame(camera.shutter_close) ||
       camera.shutter_open > camera.shutter_close)
@@ -53,15 +46,6 @@ Status validate_camera(const CameraDescription& camera) {
         fmt::format("camera.shutter: must open before it closes, at most {} frames from the image, "
                     "got [{}, {}]",
                     kMaxShutterFrames, camera.shutter_open, camera.shutter_close));
-  const int blades = camera.aperture_blades;
-  if (blades != 0 && !(blades >= kMinApertureBlades && blades <= kMaxApertureBlades))
-    return invalid(fmt::format("camera.aperture_blades: must be 0, or between {} and {}, got {}",
-                               kMinApertureBlades, kMaxApertureBlades, blades));
-  if (!(std::fabs(camera.aperture_rotation_degrees) <= 360))
-    return invalid(fmt::format("camera.aperture_rotation_degrees: must be between -360 and 360, got {}",
-                               camera.aperture_rotation_degrees));
-  if (!(camera.focus_distance >= 0) || !std::isfinite(camera.focus_distance))
-    return invalid(fmt::format("camera.focus_distance: must be above 0, got {}", camera.focus_distance));
   return {};
 }
 
@@ -98,49 +82,37 @@ Status check_light_textures(const SceneDescription& scene) {
   return {};
 }
 
+// What no key alone can tell.
+std::string_view mistake_of(const PointLightDescription& light) {
+  return is_rotation(light.orientation) ? "" : "the orientation must be a rotation or a reflection";
+}
+std::string_view mistake_of(const SpotLightDescription& light) {
+  if (!are_apart(light.position, light.look_at)) return "position and look_at must be two points";
+  const bool has_lengths = are_apart({}, light.image.right) && are_apart({}, light.image.up);
+  return has_lengths ? "" : "image: right and up must have lengths";
+}
+std::string_view mistake_of(const DirectionalLightDescription& light) {
+  return are_apart({}, light.direction) ? "" : "direction must have a length";
+}
+
+// Textures are checked by check_light_textures().
 Status check_light(const LightDescription& light) {
   return std::visit(
-      Overloaded{
-          [](const PointLightDescription& d) -> Status {
-            if (!is_valid_point(d.position)) return invalid("position must be finite numbers");
-            if (!is_valid_radiance(d.intensity)) return invalid("intensity must be finite and not negative");
-            if (!is_rotation(d.orientation))
-              return invalid("the orientation must be a rotation or a reflection");
-            return {};
-          },
-          [](const SpotLightDescription& d) -> Status {
-            if (!is_valid_point(d.position) || !is_valid_point(d.look_at) ||
-                !are_apart(d.position, d.look_at))
-              return invalid("position and look_at must be two points");
-            if (!is_valid_radiance(d.intensity)) return invalid("intensity must be finite and not negative");
-            if (!(d.angle_degrees > 0 && d.angle_degrees <= 180))
-              return invalid(
-                  fmt::format("angle_degrees: must be above 0 and at most 180, got {}", d.angle_degrees));
-            if (!(d.softness >= 0 && d.softness <= 1))
-              return invalid(fmt::format("softness: must be between 0 and 1, got {}", d.softness));
-            if (!are_apart({}, d.image.right) || !are_apart({}, d.image.up))
-              return invalid("image: right and up must have lengths");
-            return {};
-          },
-          [](const DirectionalLightDescription& d) -> Status {
-            if (!are_apart({}, d.direction)) return invalid("direction must have a length");
-            if (!is_valid_radiance(d.irradiance))
-              return invalid("irradiance must be finite and not negative");
-            return {};
-          },
+      []<typename T>(const T& description) -> Status {
+        if (const auto mistake = find_mistake(kKeys<T>, description, {.textures = kUnknownCount}))
+          return invalid(mistake->text());
+        const std::string_view mistake = mistake_of(description);
+        return mistake.empty() ? Status() : invalid(std::string(mistake));
       },
       light);
 }
 
 Status check_environment(const EnvironmentDescription& environment, const std::vector<Texture>& textures) {
-  if (!is_valid_radiance(environment.radiance.value))
-    return invalid("environment: radiance must be finite and not negative");
-  if (environment.radiance.texture >= static_cast<int>(textures.size()))
-    return invalid("environment: there is no such texture");
+  if (const auto mistake =
+          find_mistake(kKeys<EnvironmentDescription>, environment, {.textures = textures.size()}))
+    return invalid("environment: " + mistake->text());
   if (!is_valid_radiance(environment.radiance, textures))
     return invalid("environment: radiance times its image is too bright to be computed; lower it");
-  if (!std::isfinite(environment.rotation_degrees))
-    return invalid("environment: rotation_degrees must be a number");
   if (!is_rotation(environment.orientation))
     return invalid("environment: the orientation must be a rotation or a reflection");
   return {};
@@ -177,10 +149,21 @@ Status check_animated_parameters(const SceneDescription& scene) {
   return {};
 }
 
+bool has_deforming_meshes(const SceneDescription& scene) {
+  const auto any_deforms = [](const std::vector<ShapeDescription>& shapes) {
+    return std::any_of(shapes.begin(), shapes.end(), deforms);
+  };
+  return any_deforms(scene.shapes) ||
+         std::any_of(scene.objects.begin(), scene.objects.end(),
+                     [&](const ObjectDescription& object) { return any_deforms(object.shapes); });
+}
+
 Status check_animation(const SceneDescription& scene) {
   const Animation& animation = scene.animation;
   if (!is_sound(animation))
     return invalid("animation: the frames of keyframes must be numbers that increase");
+  if (animation.deforms != has_deforming_meshes(scene))
+    return invalid("animation: 'deforms' must be true if and only if a mesh has steps");
   for (const LightAnimation& light : animation.lights)
     if (light.light >= scene.lights.size())
       return invalid(fmt::format("animation: there is no light {}", light.light));
@@ -200,8 +183,9 @@ Status check_animation(const SceneDescription& scene) {
 bool emits(const ShapeDescription& shape, const SceneDescription& scene) {
   const auto emissive = [&](std::uint32_t material) { return can_emit(material, scene); };
   return std::visit(Overloaded{[&](const MeshDescription& mesh) {
-                                 return std::any_of(mesh.triangle_materials.begin(),
-                                                    mesh.triangle_materials.end(), emissive);
+                                 const std::set<std::uint32_t> materials(mesh.triangle_materials.begin(),
+                                                                         mesh.triangle_materials.end());
+                                 return std::any_of(materials.begin(), materials.end(), emissive);
                                },
                                [&](const SphereDescription& sphere) { return emissive(sphere.material); },
                                [&](const QuadDescription& quad) { return emissive(quad.material); },
@@ -227,6 +211,18 @@ Rgb color_of(const LightDescription& light) {
 
 }  // namespace
 
+Status validate_light(const LightDescription& light) {
+  return check_light(light);
+}
+
+bool is_dark(const LightDescription& light) {
+  return is_black(color_of(light));
+}
+
+Status validate_environment(const EnvironmentDescription& environment, const std::vector<Texture>& textures) {
+  return check_environment(environment, textures);
+}
+
 Status validate_lights(const std::vector<LightDescription>& lights) {
   for (std::size_t i = 0; i < lights.size(); ++i)
     if (auto ok = check_light(lights[i]); !ok) return fail(ok.error().within(fmt::format("lights[{}]", i)));
@@ -247,6 +243,7 @@ Status validate_scene(const SceneDescription& scene) {
   if (auto ok = check_light_textures(scene); !ok) return ok;
   if (scene.environment)
     if (auto ok = check_environment(*scene.environment, scene.textures); !ok) return ok;
+  if (auto ok = check_light_groups(scene); !ok) return ok;
   if (auto ok = check_all_shapes(scene); !ok) return ok;
   return check_animation(scene);
 }
@@ -264,7 +261,7 @@ bool uses_media(int camera_medium, const std::vector<Material>& materials) {
 bool gives_light(const SceneDescription& scene) {
   if (scene.environment && !is_black(scene.environment->radiance.value)) return true;
   for (const LightDescription& light : scene.lights)
-    if (!is_black(color_of(light))) return true;
+    if (!is_dark(light)) return true;
   // A light that is dark at frame 0 brightens later.
   for (const LightAnimation& light : scene.animation.lights)
     if (!light.color.empty()) return true;

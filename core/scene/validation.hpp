@@ -24,6 +24,10 @@ PlacementLimits placement_limits(const SceneDescription& scene, const InstanceDe
 
 // Parts of validate_scene(), with its errors.
 Status validate_camera(const CameraDescription& camera);
+Status validate_light(const LightDescription& light);
+// Whether its intensity is 0.
+bool is_dark(const LightDescription& light);
+Status validate_environment(const EnvironmentDescription& environment, const std::vector<Texture>& textures);
 Status validate_lights(const std::vector<LightDescription>& lights);
 Status validate_placement(const Transform& to_world, const PlacementLimits& limits);
 

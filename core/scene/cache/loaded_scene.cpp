@@ -51,7 +51,10 @@ bool is_finite(Vec2 v) {
 
 bool is_finite_mesh(const MeshDescription& mesh) {
   return std::ranges::all_of(mesh.normals, [](Vec3 normal) { return core::is_finite(normal); }) &&
-         std::ranges::all_of(mesh.uvs, [](Vec2 uv) { return is_finite(uv); });
+         std::ranges::all_of(mesh.uvs, [](Vec2 uv) { return is_finite(uv); }) &&
+         std::ranges::all_of(mesh.steps, [](const MeshStep& step) {
+           return std::ranges::all_of(step.normals, [](Vec3 normal) { return core::is_finite(normal); });
+         });
 }
 
 // What the shapes take of the 32-bit ids.
@@ -60,7 +63,7 @@ struct Elements {
 
   void add(const ShapeDescription& shape) {
     std::visit(Overloaded{[this](const MeshDescription& mesh) {
-                            vertices += mesh.positions.size();
+                            vertices += mesh.positions.size() * (1 + mesh.steps.size());
                             primitives += mesh.triangles.size();
                           },
                           [this](const QuadDescription&) { vertices += 4, primitives += 2; },

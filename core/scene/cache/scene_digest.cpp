@@ -41,7 +41,7 @@ void mix_in(SceneDigest& digest, const Animation& animation, const Camera& camer
     part = checksum_of_parts(part.low, part.high, more);
   };
   if (is_animated(animation.camera)) mix(digest.camera, camera);
-  if (!animation.instances.empty()) mix(digest.shapes, instances);
+  if (!animation.instances.empty() || animation.deforms) mix(digest.shapes, instances);
   if (!animation.lights.empty()) mix(digest.lights, lights);
   if (!animation.materials.empty()) mix(digest.materials, materials);
   if (!animation.media.empty()) mix(digest.materials, media);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fields of all types of a scene description and its tree, for serialisation: all members of each type,
-// as references. A type with an additional member does not compile until the member is added here. Then the
+// as references. They are those of its table of keys, or listed here: then a type with an additional member
+// does not compile until the member is added. Then the
 // values of all enumerations: one with an additional value gives a warning until it is added.
 #pragma once
 
@@ -10,12 +11,32 @@
 
 #include "core/accel/bvh.hpp"
 #include "core/scene/description.hpp"
+#include "core/scene/tables/camera_tables.hpp"
+#include "core/scene/tables/light_tables.hpp"
+#include "core/scene/tables/material_tables.hpp"
+#include "core/scene/tables/medium_tables.hpp"
+#include "core/scene/tables/shape_tables.hpp"
 
 namespace tessera::core::stored {
 
 // T, or const T.
 template <typename T, typename U>
 concept Is = std::same_as<std::remove_const_t<T>, U>;
+
+// The members of a type with a table of keys, in the order of that. A test looks for members without entry.
+template <typename Owner>
+auto member_of(Owner& owner, const auto& entry) {
+  if constexpr (MemberOf<std::remove_cvref_t<decltype(entry)>, Owner>) {
+    return std::tie(entry.of(owner));
+  } else {
+    return std::tuple();
+  }
+}
+template <HasTable Owner>
+auto fields(Owner& owner) {
+  return std::apply([&](const auto&... entry) { return std::tuple_cat(member_of(owner, entry)...); },
+                    kKeys<std::remove_const_t<Owner>>);
+}
 
 auto fields(Is<PixelFilter> auto& value) {
   auto& [kind, radius_px] = value;
@@ -26,20 +47,14 @@ auto fields(Is<PixelRect> auto& value) {
   return std::tie(x0, y0, x1, y1);
 }
 auto fields(Is<LayerSet> auto& value) {
-  auto& [bits] = value;
-  return std::tie(bits);
+  auto& [bits, light_groups, groups] = value;
+  return std::tie(bits, light_groups, groups);
 }
 auto fields(Is<RenderSettings> auto& value) {
   auto& [width_px, height_px, spp, seed, integrator, heuristic, max_depth, clamp_indirect, filter, crop,
          layers] = value;
   return std::tie(width_px, height_px, spp, seed, integrator, heuristic, max_depth, clamp_indirect, filter,
                   crop, layers);
-}
-auto fields(Is<CameraDescription> auto& value) {
-  auto& [position, look_at, up, fov, radius, focus, blades, rotation, type, view_height, shift, mirrored,
-         shutter_open, shutter_close] = value;
-  return std::tie(position, look_at, up, fov, radius, focus, blades, rotation, type, view_height, shift,
-                  mirrored, shutter_open, shutter_close);
 }
 auto fields(Is<DisplaySettings> auto& value) {
   auto& [exposure_stops, tone_curve] = value;
@@ -61,109 +76,17 @@ auto fields(Is<ScalarParameter> auto& value) {
   auto& [number, texture] = value;
   return std::tie(number, texture);
 }
-auto fields(Is<Lambert> auto& value) {
-  auto& [albedo] = value;
-  return std::tie(albedo);
-}
-auto fields(Is<Mirror> auto& value) {
-  auto& [reflectance] = value;
-  return std::tie(reflectance);
-}
-auto fields(Is<MicrofacetKind> auto& value) {
-  auto& [distribution, masking] = value;
-  return std::tie(distribution, masking);
-}
-auto fields(Is<Glass> auto& value) {
-  auto& [ior, reflectance, transmittance, fresnel, roughness, microfacets] = value;
-  return std::tie(ior, reflectance, transmittance, fresnel, roughness, microfacets);
-}
-auto fields(Is<Phong> auto& value) {
-  auto& [diffuse, specular, exponent, lobe] = value;
-  return std::tie(diffuse, specular, exponent, lobe);
-}
-auto fields(Is<CookTorrance> auto& value) {
-  auto& [diffuse, specular, f0, conductor, roughness, masking] = value;
-  return std::tie(diffuse, specular, f0, conductor, roughness, masking);
-}
-auto fields(Is<Principled> auto& value) {
-  auto& [base_weight, base_color, base_diffuse_roughness, base_metalness, subsurface_weight, subsurface_color,
-         specular_weight, specular_color, specular_roughness, specular_roughness_anisotropy, specular_ior,
-         transmission_weight, transmission_color, transmission_depth, coat_weight, coat_color, coat_roughness,
-         coat_ior, coat_darkening, fuzz_weight, fuzz_color, fuzz_roughness, thin_film_weight,
-         thin_film_thickness, thin_film_ior, geometry_thin_walled] = value;
-  return std::tie(base_weight, base_color, base_diffuse_roughness, base_metalness, subsurface_weight,
-                  subsurface_color, specular_weight, specular_color, specular_roughness,
-                  specular_roughness_anisotropy, specular_ior, transmission_weight, transmission_color,
-                  transmission_depth, coat_weight, coat_color, coat_roughness, coat_ior, coat_darkening,
-                  fuzz_weight, fuzz_color, fuzz_roughness, thin_film_weight, thin_film_thickness,
-                  thin_film_ior, geometry_thin_walled);
-}
-auto fields(Is<Plastic> auto& value) {
-  auto& [diffuse, specular, ior, roughness, nonlinear, microfacets, compensated] = value;
-  return std::tie(diffuse, specular, ior, roughness, nonlinear, microfacets, compensated);
-}
-auto fields(Is<ConductorMaterial> auto& value) {
-  auto& [eta, k, specular, roughness, anisotropy, microfacets] = value;
-  return std::tie(eta, k, specular, roughness, anisotropy, microfacets);
-}
-auto fields(Is<DiffuseTransmission> auto& value) {
-  auto& [reflectance, transmittance] = value;
-  return std::tie(reflectance, transmittance);
-}
-auto fields(Is<ThinDielectric> auto& value) {
-  auto& [ior, reflectance, transmittance] = value;
-  return std::tie(ior, reflectance, transmittance);
-}
-auto fields(Is<Blend> auto& value) {
-  auto& [first, second, weight] = value;
-  return std::tie(first, second, weight);
-}
-auto fields(Is<Null> auto&) {
-  return std::tie();
-}
-auto fields(Is<Hair> auto& value) {
-  auto& [pigment, reflectance, sigma_a, eumelanin, pheomelanin, beta_m, beta_n, ior, tilt] = value;
-  return std::tie(pigment, reflectance, sigma_a, eumelanin, pheomelanin, beta_m, beta_n, ior, tilt);
-}
-auto fields(Is<NormalMap> auto& value) {
-  auto& [texture, strength] = value;
-  return std::tie(texture, strength);
-}
-auto fields(Is<BumpMap> auto& value) {
-  auto& [texture, height] = value;
-  return std::tie(texture, height);
-}
-auto fields(Is<MediumInterface> auto& value) {
-  auto& [interior, exterior] = value;
-  return std::tie(interior, exterior);
-}
-auto fields(Is<Material> auto& value) {
-  auto& [name, model, emission, two_sided_emission, sampling, normal_map, bump, opacity, two_sided, media] =
-      value;
-  return std::tie(name, model, emission, two_sided_emission, sampling, normal_map, bump, opacity, two_sided,
-                  media);
-}
 auto fields(Is<VoxelGrid> auto& value) {
   auto& [size, channels, values, filter, border] = value;
   return std::tie(size, channels, values, filter, border);
 }
-auto fields(Is<MediumDescription> auto& value) {
-  auto& [name, sigma_a, sigma_s, scale, g, emission, absorption_grid, scattering_grid, emission_grid,
-         grid_to_world] = value;
-  return std::tie(name, sigma_a, sigma_s, scale, g, emission, absorption_grid, scattering_grid, emission_grid,
-                  grid_to_world);
-}
 auto fields(Is<MeshDescription> auto& value) {
-  auto& [positions, normals, uvs, triangles, triangle_materials, colors] = value;
-  return std::tie(positions, normals, uvs, triangles, triangle_materials, colors);
+  auto& [positions, normals, uvs, triangles, triangle_materials, colors, steps] = value;
+  return std::tie(positions, normals, uvs, triangles, triangle_materials, colors, steps);
 }
-auto fields(Is<SphereDescription> auto& value) {
-  auto& [center, radius, material] = value;
-  return std::tie(center, radius, material);
-}
-auto fields(Is<QuadDescription> auto& value) {
-  auto& [corner, edge_u, edge_v, material] = value;
-  return std::tie(corner, edge_u, edge_v, material);
+auto fields(Is<MeshStep> auto& value) {
+  auto& [frame, positions, normals] = value;
+  return std::tie(frame, positions, normals);
 }
 auto fields(Is<DiskDescription> auto& value) {
   auto& [center, radius_u, radius_v, inner, flipped, material] = value;
@@ -192,26 +115,6 @@ auto fields(Is<InstanceDescription> auto& value) {
 auto fields(Is<ObjectDescription> auto& value) {
   auto& [name, shapes, shape_names] = value;
   return std::tie(name, shapes, shape_names);
-}
-auto fields(Is<PointLightDescription> auto& value) {
-  auto& [position, intensity, texture, orientation] = value;
-  return std::tie(position, intensity, texture, orientation);
-}
-auto fields(Is<ProjectedImage> auto& value) {
-  auto& [texture, right, up, flat_field] = value;
-  return std::tie(texture, right, up, flat_field);
-}
-auto fields(Is<SpotLightDescription> auto& value) {
-  auto& [position, look_at, intensity, angle, softness, falloff, image] = value;
-  return std::tie(position, look_at, intensity, angle, softness, falloff, image);
-}
-auto fields(Is<DirectionalLightDescription> auto& value) {
-  auto& [direction, irradiance] = value;
-  return std::tie(direction, irradiance);
-}
-auto fields(Is<EnvironmentDescription> auto& value) {
-  auto& [radiance, rotation, orientation, visible_to_camera] = value;
-  return std::tie(radiance, rotation, orientation, visible_to_camera);
 }
 template <typename T>
 inline constexpr bool kIsTrack = false;
@@ -270,8 +173,8 @@ auto fields(Is<InstanceMotion> auto& value) {
   return std::tie(shape, steps);
 }
 auto fields(Is<Animation> auto& value) {
-  auto& [camera, lights, instances, materials, media, environment] = value;
-  return std::tie(camera, lights, instances, materials, media, environment);
+  auto& [camera, lights, instances, materials, media, environment, deforms] = value;
+  return std::tie(camera, lights, instances, materials, media, environment, deforms);
 }
 // `contents` are for those who read the scene's file itself.
 auto fields(Is<SceneDescription> auto& value) {
@@ -363,6 +266,14 @@ constexpr bool is_known(HairPigment value) {
     case HairPigment::kReflectance:
     case HairPigment::kAbsorption:
     case HairPigment::kMelanin:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(ShadingNormals value) {
+  switch (value) {
+    case ShadingNormals::kConserving:
+    case ShadingNormals::kPlain:
       return true;
   }
   return false;

@@ -126,13 +126,9 @@ Result<CurveStrands> read_curve_file(std::string_view bytes, const std::string& 
     return fail(error.code, fmt::format("{} {}", in_quotes(name), error.message));
   };
   std::string content;
-  if (is_gzip(bytes)) {
-    auto decompressed = gunzip(bytes);
-    if (!decompressed) return named(decompressed.error());
-    content = std::move(*decompressed);
-    bytes = content;
-  }
-  auto strands = read_plain(bytes);
+  const auto plain = gunzipped(bytes, content);
+  if (!plain) return named(plain.error());
+  auto strands = read_plain(*plain);
   if (!strands) return named(strands.error());
   return strands;
 }

@@ -22,14 +22,14 @@ constexpr double kLargestFloat = std::numeric_limits<float>::max();
 
 // The `count` numbers of a list; nullopt after a mistake.
 template <std::size_t count>
-std::optional<std::array<float, count>> field_numbers(const Field& field, const Bounds& bounds) {
+std::optional<std::array<float, count>> field_numbers(const Field& field, const Range& range) {
   const auto* items = field.value().get_if<JsonValue::Array>();
   if (items == nullptr || items->size() != count) {
     field.must_be(fmt::format("a list of {} numbers", count));
     return std::nullopt;
   }
   std::array<float, count> numbers{};
-  for (std::size_t i = 0; i < count; ++i) numbers[i] = read_float(field.element(i), bounds);
+  for (std::size_t i = 0; i < count; ++i) numbers[i] = read_float(field.element(i), range);
   return numbers;
 }
 
@@ -72,25 +72,26 @@ std::optional<Field> ObjectReader::find(std::string_view key) const {
   return find_member_field(field_, key);
 }
 
-std::string unquoted_number(const Bounds& bounds) {
+std::string unquoted_number(const Range& range) {
   constexpr std::string_view kNumber = "a number";
-  std::string_view limits = bounds.phrase;
+  const std::string phrase = phrase_of(range);
+  std::string_view limits = phrase;
   if (limits.starts_with(kNumber)) limits.remove_prefix(std::min(kNumber.size() + 1, limits.size()));
   return fmt::format("a number without quotes{}{}", limits.empty() ? "" : ", ", limits);
 }
 
-float read_float(const Field& field, const Bounds& bounds) {
+float read_float(const Field& field, const Range& range) {
   const auto* number = field.value().get_if<JsonValue::Number>();
   if (number == nullptr) {
-    field.must_be(field.value().get_if<std::string>() ? unquoted_number(bounds) : bounds.phrase);
+    field.must_be(field.value().get_if<std::string>() ? unquoted_number(range) : phrase_of(range));
     return 1;
   }
-  // Bounds are checked before and after rounding to float: 1e-50 is greater than 0, but its float is not.
+  // Ranges are checked before and after rounding to float: 1e-50 is greater than 0, but its float is not.
   const auto rounded = static_cast<float>(std::clamp(number->value, -kLargestFloat, kLargestFloat));
   if (std::fabs(number->value) > kLargestFloat) {
     field.must_be("between -3.4e38 and 3.4e38");
-  } else if (!bounds.hold(number->value) || !bounds.hold(static_cast<double>(rounded))) {
-    field.must_be(bounds.phrase);
+  } else if (!range.contains(number->value) || !range.contains(double{rounded})) {
+    field.must_be(phrase_of(range));
   }
   return rounded;
 }
@@ -129,23 +130,23 @@ bool read_bool(const Field& field) {
   return false;
 }
 
-Vec2 read_vec2(const Field& field, const Bounds& bounds) {
-  const auto numbers = field_numbers<2>(field, bounds);
+Vec2 read_vec2(const Field& field, const Range& range) {
+  const auto numbers = field_numbers<2>(field, range);
   return numbers ? Vec2{(*numbers)[0], (*numbers)[1]} : Vec2{1, 1};
 }
 
-Vec3 read_vec3(const Field& field, const Bounds& bounds) {
-  const auto numbers = field_numbers<3>(field, bounds);
+Vec3 read_vec3(const Field& field, const Range& range) {
+  const auto numbers = field_numbers<3>(field, range);
   return numbers ? Vec3{(*numbers)[0], (*numbers)[1], (*numbers)[2]} : Vec3{1, 1, 1};
 }
 
-Rgb read_color(const Field& field, const Bounds& bounds) {
-  if (field.value().get_if<JsonValue::Number>()) return Rgb::gray(read_float(field, bounds));
+Rgb read_color(const Field& field, const Range& range) {
+  if (field.value().get_if<JsonValue::Number>()) return Rgb::gray(read_float(field, range));
   if (!field.value().get_if<JsonValue::Array>()) {
     field.must_be("a number or a list of 3 numbers");
     return {};
   }
-  const Vec3 numbers = read_vec3(field, bounds);
+  const Vec3 numbers = read_vec3(field, range);
   return {numbers.x, numbers.y, numbers.z};
 }
 
@@ -192,7 +193,7 @@ std::vector<KeyframeField> read_keyframes(const Field& field) {
     const ObjectReader keyframe(entry, scene_keys::kKeyframe);
     const auto frame = keyframe.find("frame"), value = keyframe.find("value");
     if (!frame || !value) continue;
-    const float number = read_float(*frame, bounds::kFrame);
+    const float number = read_float(*frame, ranges::kFrame);
     if (!keyframes.empty() && !(number > keyframes.back().frame)) {
       frame->mistake(fmt::format("keyframes must be in the order of their frames: {} follows {}", number,
                                  keyframes.back().frame));

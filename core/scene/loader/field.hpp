@@ -17,28 +17,9 @@
 #include "core/scene/loader/json_document.hpp"
 #include "core/scene/loader/mistakes.hpp"
 #include "core/scene/loader/scene_keys.hpp"
+#include "core/scene/tables/range.hpp"
 
 namespace tessera::core {
-
-// The numbers that a field accepts. Numbers that do not fit a float are always rejected.
-struct Bounds {
-  bool (*hold)(double);
-  std::string_view phrase;  // "must be ..."
-};
-
-namespace bounds {
-// Up to kMaxTurnDegrees.
-inline constexpr Bounds kDegrees{[](double v) { return v >= -3600 && v <= 3600; }, "between -3600 and 3600"};
-inline constexpr Bounds kFrame{[](double v) { return v >= -1e6 && v <= 1e6; },
-                               "a number between -1000000 and 1000000"};
-inline constexpr Bounds kAny{[](double) { return true; }, "a number"};
-inline constexpr Bounds kCoordinate{[](double v) { return -1e15 <= v && v <= 1e15; },
-                                    "a number between -1e15 and 1e15"};
-inline constexpr Bounds kPositive{[](double v) { return v > 0; }, "greater than 0"};
-inline constexpr Bounds kNotNegative{[](double v) { return v >= 0; }, "0 or greater"};
-inline constexpr Bounds kUnit{[](double v) { return v >= 0 && v <= 1; }, "between 0 and 1"};
-inline constexpr Bounds kNotZero{[](double v) { return v != 0; }, "other than 0"};
-}  // namespace bounds
 
 // A value with its location in the file. Refers to the tree and the Mistakes, which must outlive it.
 class Field {
@@ -76,18 +57,20 @@ class ObjectReader {
   Field field_;
 };
 
+// Numbers that do not fit a float are always rejected.
+
 // "a number without quotes, between 0 and 1": the message for a string in place of a number.
-std::string unquoted_number(const Bounds& bounds);
-float read_float(const Field& field, const Bounds& bounds);
+std::string unquoted_number(const Range& range);
+float read_float(const Field& field, const Range& range);
 std::uint64_t read_whole_number(const Field& field, std::uint64_t min, std::uint64_t max);
 std::string read_text(const Field& field);  // not empty
 bool read_bool(const Field& field);
 // The index of the word among `words`.
 std::size_t read_choice(const Field& field, std::span<const std::string_view> words);
-Vec2 read_vec2(const Field& field, const Bounds& bounds);
-Vec3 read_vec3(const Field& field, const Bounds& bounds);
+Vec2 read_vec2(const Field& field, const Range& range);
+Vec3 read_vec3(const Field& field, const Range& range);
 // A single number for gray, or [r, g, b].
-Rgb read_color(const Field& field, const Bounds& bounds);
+Rgb read_color(const Field& field, const Range& range);
 
 // The member of an object, or nullopt.
 std::optional<Field> find_member_field(const Field& field, std::string_view key);
@@ -132,22 +115,6 @@ T read_animated_or(const ObjectReader& object, std::string_view key, T otherwise
                    const Args&... args) {
   const auto field = object.find(key);
   return field ? read_animated(*field, track, read, args...) : otherwise;
-}
-
-// The same for a parameter whose keyframes go to `tracks`, by its key.
-template <typename T, typename Read, typename... Args>
-T read_animated(const Field& field, std::string_view key, ParameterTracks& tracks, Read read,
-                const Args&... args) {
-  Track<T> track;
-  const T value = read_animated(field, track, read, args...);
-  tracks.add(key, std::move(track));
-  return value;
-}
-template <typename T, typename Read, typename... Args>
-T read_animated_or(const ObjectReader& object, std::string_view key, T otherwise, ParameterTracks& tracks,
-                   Read read, const Args&... args) {
-  const auto field = object.find(key);
-  return field ? read_animated<T>(*field, key, tracks, read, args...) : otherwise;
 }
 
 }  // namespace tessera::core

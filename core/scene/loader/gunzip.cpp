@@ -33,19 +33,20 @@ bool is_gzip(std::string_view bytes) {
   return bytes.starts_with("\x1f\x8b\x08");
 }
 
-Result<std::string> gunzip(std::string_view bytes) {
-  if (!is_gzip(bytes) || bytes.size() < kSmallestGzip) return broken_gzip();
+Result<std::string_view> gunzipped(std::string_view bytes, std::string& content) {
+  if (!is_gzip(bytes)) return bytes;
+  if (bytes.size() < kSmallestGzip) return broken_gzip();
   const std::size_t size = size_of_content(bytes);
   if (size / kMaxRatio > bytes.size())
     return fail(ErrorCode::kResourceExhausted, "holds more than 256 times its own size; decompress it first");
-  std::string content(size, '\0');
+  content.assign(size, '\0');
   const std::unique_ptr<libdeflate_decompressor, DecompressorFree> decompressor(
       libdeflate_alloc_decompressor());
   if (!decompressor) return fail(ErrorCode::kResourceExhausted, "does not fit into memory");
   const libdeflate_result result = libdeflate_gzip_decompress(decompressor.get(), bytes.data(), bytes.size(),
                                                               content.data(), content.size(), nullptr);
   if (result != LIBDEFLATE_SUCCESS) return broken_gzip();
-  return content;
+  return std::string_view(content);
 }
 
 }  // namespace tessera::core

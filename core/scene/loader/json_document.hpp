@@ -30,6 +30,8 @@ struct JsonValue {
 
   std::variant<Null, bool, Number, std::string, Array, Object> content;
   int line = 0;  // of the value's start, from 1
+  // For readers that tell what they did not look at; not thread-safe.
+  mutable bool is_used = false;
 
   template <typename T>
   const T* get_if() const {

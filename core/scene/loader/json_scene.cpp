@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "core/scene/import/deforming_mesh.hpp"
 #include "core/scene/import/indexed_mesh.hpp"
 #include "core/scene/import/nested_instances.hpp"
 #include "core/scene/import/scene_format.hpp"
@@ -36,6 +37,11 @@ std::string why_unsound(const CurveStrands& strands) {
   return "the numbers of points of the curves do not add up to the points";
 }
 
+// What messages and Cryptomatte call a shape without a file.
+std::string shown_name(const ShapeEntry& entry, std::size_t number) {
+  return entry.name.empty() ? fmt::format("shapes[{}]", number) : entry.name;
+}
+
 // Adds assets to the scene description. Errors are added to the Mistakes at the field that names the asset.
 class SceneAssembler {
  public:
@@ -53,10 +59,10 @@ class SceneAssembler {
  private:
   void add_texture(const TextureEntry& entry);
   void add_grid(const GridEntry& entry);
-  void add_scene_shape(ShapeEntry entry, std::string name);
-  // Adds a shape to the scene or to an object. `name` is the shape's name in messages.
+  void add_scene_shape(ShapeEntry entry, std::size_t number);
+  // Adds a shape to the scene or to an object. `number` is its place in the list.
   template <typename Owner>
-  void add_shape(ShapeEntry entry, std::string name, Owner& owner);
+  void add_shape(ShapeEntry entry, std::size_t number, Owner& owner);
   void add_object(ObjectEntry entry);
   Result<MeshDescription> load_mesh(const MeshEntry& entry);
   template <typename Owner>
@@ -65,6 +71,10 @@ class SceneAssembler {
   Result<MeshDescription> load_obj_mesh(const MeshEntry& entry);
   // From a PLY or STL file.
   Result<MeshDescription> load_indexed_mesh(const MeshEntry& entry, SceneFormat format);
+  // From PLY files.
+  Result<MeshDescription> load_deforming_mesh(const MeshEntry& entry);
+  // A file of triangles, which are counted.
+  Result<MeshFile> read_mesh_file(const std::string& path, SceneFormat format);
   // The scene's material for each triangle of the file, or one for all.
   Result<std::vector<std::uint32_t>> materials_of(const MeshEntry& entry, const MeshDescription& mesh);
   // Adds a file's triangles to the scene's total, if the limits allow it.
@@ -103,8 +113,7 @@ SceneDescription SceneAssembler::assemble(SceneFile file) {
     material_places.push_back(std::move(entry.place));
   }
   for (auto& object : file.objects) add_object(std::move(object));
-  for (std::size_t i = 0; i < file.shapes.size(); ++i)
-    add_scene_shape(std::move(file.shapes[i]), fmt::format("shapes[{}]", i));
+  for (std::size_t i = 0; i < file.shapes.size(); ++i) add_scene_shape(std::move(file.shapes[i]), i);
   if (mistakes_.empty()) check_plausibility(scene_, material_places, file.shapes_place, mistakes_);
   scene_.warnings = warnings_.messages();
   for (std::size_t i = 0; i < material_places.size(); ++i)
@@ -132,25 +141,25 @@ void SceneAssembler::add_grid(const GridEntry& entry) {
 void SceneAssembler::add_object(ObjectEntry entry) {
   ObjectDescription object;
   object.name = std::move(entry.name);
-  for (std::size_t i = 0; i < entry.shapes.size(); ++i)
-    add_shape(std::move(entry.shapes[i]), fmt::format("shapes[{}]", i), object);
+  for (std::size_t i = 0; i < entry.shapes.size(); ++i) add_shape(std::move(entry.shapes[i]), i, object);
   scene_.objects.push_back(std::move(object));
 }
 
 // An animated shape becomes an instance of an object of its own, so that only its placement changes.
-void SceneAssembler::add_scene_shape(ShapeEntry entry, std::string name) {
+void SceneAssembler::add_scene_shape(ShapeEntry entry, std::size_t number) {
   TransformEntry placement = std::move(entry.placement);
   const auto* shape = std::get_if<ShapeDescription>(&entry.shape);
   const bool is_instance = shape != nullptr && std::holds_alternative<InstanceDescription>(*shape);
   if (placement.motion.empty() || is_instance) {
-    add_shape(std::move(entry), std::move(name), scene_);
+    add_shape(std::move(entry), number, scene_);
   } else {
+    const std::string name = shown_name(entry, number);
     const auto object = static_cast<std::uint32_t>(scene_.objects.size());
     ObjectDescription own{name, {}, {}};
-    add_shape(std::move(entry), name, own);
+    add_shape(std::move(entry), number, own);
     scene_.objects.push_back(std::move(own));
     scene_.shapes.emplace_back(InstanceDescription{object, placement.transform, std::nullopt});
-    scene_.shape_names.push_back(std::move(name));
+    scene_.shape_names.push_back(name);
   }
   if (!placement.motion.empty())
     scene_.animation.instances.push_back(
@@ -158,25 +167,28 @@ void SceneAssembler::add_scene_shape(ShapeEntry entry, std::string name) {
 }
 
 template <typename Owner>
-void SceneAssembler::add_shape(ShapeEntry entry, std::string name, Owner& owner) {
+void SceneAssembler::add_shape(ShapeEntry entry, std::size_t number, Owner& owner) {
+  std::string name = shown_name(entry, number);
   if (auto* shape = std::get_if<ShapeDescription>(&entry.shape)) {
     owner.shapes.push_back(std::move(*shape));
     owner.shape_names.push_back(std::move(name));
     return;
   }
-  if (auto* curves = std::get_if<CurvesEntry>(&entry.shape))
-    return add_curves(std::move(*curves), std::move(name), owner);
-  const auto& mesh_entry = *std::get_if<MeshEntry>(&entry.shape);
-  auto mesh = load_mesh(mesh_entry);
-  if (!mesh) return mistakes_.add(mesh_entry.file_place, mesh.error().message, mesh.error().code);
+  const auto* mesh_entry = std::get_if<MeshEntry>(&entry.shape);
+  const std::string& file =
+      mesh_entry != nullptr ? mesh_entry->file : std::get<CurvesEntry>(entry.shape).file;
+  if (entry.name.empty() && !file.empty()) name += fmt::format(" ({})", file);
+  if (mesh_entry == nullptr)
+    return add_curves(std::get<CurvesEntry>(std::move(entry.shape)), std::move(name), owner);
+  auto mesh = load_mesh(*mesh_entry);
+  if (!mesh) return mistakes_.add(mesh_entry->file_place, mesh.error().message, mesh.error().code);
   owner.shapes.emplace_back(std::move(*mesh));
-  owner.shape_names.push_back(fmt::format("{} ({})", name, mesh_entry.file));
+  owner.shape_names.push_back(std::move(name));
 }
 
 template <typename Owner>
 void SceneAssembler::add_curves(CurvesEntry entry, std::string name, Owner& owner) {
   const Place place = entry.file.empty() ? entry.place : entry.file_place;
-  if (!entry.file.empty()) name += fmt::format(" ({})", entry.file);
   auto curves = load_curves(std::move(entry));
   if (!curves) return mistakes_.add(place, curves.error().message, curves.error().code);
   owner.shapes.emplace_back(std::move(*curves));
@@ -212,6 +224,7 @@ Result<CurvesDescription> SceneAssembler::load_curves(CurvesEntry entry) {
 }
 
 Result<MeshDescription> SceneAssembler::load_mesh(const MeshEntry& entry) {
+  if (!entry.steps.empty()) return load_deforming_mesh(entry);
   const auto format = format_by_ending(entry.file);
   if (format == SceneFormat::kPly || format == SceneFormat::kStl) return load_indexed_mesh(entry, *format);
   if (!entry.materials.empty())
@@ -219,15 +232,46 @@ Result<MeshDescription> SceneAssembler::load_mesh(const MeshEntry& entry) {
   return load_obj_mesh(entry);
 }
 
-Result<MeshDescription> SceneAssembler::load_indexed_mesh(const MeshEntry& entry, SceneFormat format) {
-  auto bytes = assets_.read(entry.file);
+Result<MeshFile> SceneAssembler::read_mesh_file(const std::string& path, SceneFormat format) {
+  const auto bytes = assets_.read(path);
   if (!bytes) return fail(bytes.error());
-  auto file = format == SceneFormat::kStl ? read_stl(*bytes, entry.file, limits_.triangles)
-                                          : read_ply(*bytes, entry.file, limits_.triangles);
+  auto file = format == SceneFormat::kStl ? read_stl(*bytes, path, limits_.triangles)
+                                          : read_ply(*bytes, path, limits_.triangles);
   if (!file) return fail(file.error());
-  *bytes = std::string();  // frees it
-  if (auto counted = count_triangles(entry.file, file->mesh.triangles.size()); !counted)
-    return fail(counted.error());
+  // Vertices take memory as well, also those that no triangle has.
+  const std::size_t size = std::max(file->mesh.triangles.size(), file->mesh.positions.size() / 3);
+  if (auto counted = count_triangles(path, size); !counted) return fail(counted.error());
+  return file;
+}
+
+// The triangles of each step count.
+Result<MeshDescription> SceneAssembler::load_deforming_mesh(const MeshEntry& entry) {
+  std::vector<StepFile> steps;
+  FileWarnings warnings;
+  for (std::size_t i = 0; i < entry.steps.frames.size(); ++i) {
+    const std::string& path = entry.steps.values[i];
+    if (format_by_ending(path) != SceneFormat::kPly)
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{} is no PLY file: only those can be the keyframes of a mesh, because their "
+                              "vertices keep their order",
+                              in_quotes(path)));
+    auto file = read_mesh_file(path, SceneFormat::kPly);
+    if (!file) return fail(file.error());
+    if (i == 0) warnings = std::move(file->warnings);
+    steps.push_back({entry.steps.frames[i], path, std::move(file->mesh)});
+  }
+  auto materials = materials_of(entry, steps[0].mesh);
+  if (!materials) return fail(materials.error());
+  steps[0].mesh.triangle_materials = std::move(*materials);
+  auto mesh = join_steps(std::move(steps), entry.normals, entry.transform, entry.colors, warnings);
+  if (!warnings_.knows(entry.file)) warnings_.of(entry.file) = std::move(warnings);
+  if (mesh) scene_.animation.deforms = true;
+  return mesh;
+}
+
+Result<MeshDescription> SceneAssembler::load_indexed_mesh(const MeshEntry& entry, SceneFormat format) {
+  auto file = read_mesh_file(entry.file, format);
+  if (!file) return fail(file.error());
   auto materials = materials_of(entry, file->mesh);
   if (!materials) return fail(materials.error());
   file->mesh.triangle_materials = std::move(*materials);

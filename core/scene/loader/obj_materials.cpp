@@ -9,6 +9,7 @@
 
 #include "core/scene/loader/text_lines.hpp"
 #include "core/scene/loader/wording.hpp"
+#include "core/scene/validate_materials.hpp"
 
 namespace tessera::core {
 namespace {
@@ -176,6 +177,8 @@ Result<std::uint32_t> ObjMaterials::add_material(const Found& found) {
   const bool is_filtering = !is_black(filter) && filter != Rgb::gray(1);
   if (is_filtering && is_opaque(added, scene_.materials) && !std::holds_alternative<Glass>(added.model))
     warn(library, "Tf", 0, [] { return "'Tf' is used for glass only"; });
+  for (const std::string_view key : clamp_to_ranges(added))
+    warn(library, key, 0, [&] { return clamped_text(added.name, key); });
   if (added.bump.texture >= 0) unsettled_bumps_.push_back(index);
   scene_.materials.push_back(std::move(added));
   known_.emplace(std::pair(library, material->name), index);

@@ -51,7 +51,8 @@ Status check_format(const std::string& path, const ParameterOverride& wanted, Sc
     return fail(
         ErrorCode::kInvalidArgument,
         fmt::format("{} has nothing that --{}{} can choose; {}", in_quotes(path),
-                    wanted.path == kSelectTime ? "animation-" : "", wanted.path,
+                    wanted.path == kSelectTime || wanted.path == kSelectShutter ? "animation-" : "",
+                    wanted.path,
                     wanted.path == kSelectCamera ? "glTF and Mitsuba files have" : "glTF files have"));
   return {};
 }
@@ -61,8 +62,6 @@ Result<std::string> with_xml_override(std::string xml, const ParameterOverride& 
     return with_xml_default(std::move(xml), std::string(kMitsubaSelection) + wanted.path, wanted.value);
   if (!is_word(wanted.path) || wanted.path.find('.') != std::string::npos)
     return invalid_override(wanted.path, "a Mitsuba scene has parameters with plain names, as -D spp=64");
-  if (!may_use_parameter(xml, wanted.path))
-    return invalid_override(wanted.path, "the scene has no such parameter");
   return with_xml_default(std::move(xml), wanted.path, wanted.value);
 }
 
@@ -71,6 +70,16 @@ Result<std::string> with_json_override(std::string text, const ParameterOverride
     return with_json_value(std::move(text), wanted.path, wanted.value);
   return with_json_value(std::move(text), fmt::format("extensions.{}.{}", kGltfSelection, wanted.path),
                          wanted.value);
+}
+
+// Lets the reader check that the scene uses what is replaced; our own format knows all of its keys.
+std::vector<ParameterOverride> with_names(std::vector<ParameterOverride> overrides, SceneFormat format) {
+  if (format == SceneFormat::kTessera) return overrides;
+  std::string names;
+  for (const ParameterOverride& each : overrides)
+    if (each.kind == ParameterOverride::Kind::kParameter) names += (names.empty() ? "" : "\n") + each.path;
+  if (!names.empty()) overrides.push_back(select_by_name(kReplacedParameters, names));
+  return overrides;
 }
 
 Result<std::string> with_glb_overrides(const std::string& bytes,
@@ -112,6 +121,10 @@ ParameterOverride select_time(double seconds) {
   return {std::string(kSelectTime), fmt::format("{}", seconds), ParameterOverride::Kind::kSelection};
 }
 
+ParameterOverride select_shutter(double seconds) {
+  return {std::string(kSelectShutter), fmt::format("{}", seconds), ParameterOverride::Kind::kSelection};
+}
+
 Result<std::string> with_overrides(std::string text, std::span<const ParameterOverride> overrides) {
   const bool as_xml = is_xml(text);
   if (!as_xml && !is_json(text, true)) return text;
@@ -130,8 +143,9 @@ Result<std::string> OverriddenAssets::read(const std::string& path) {
   const SceneFormat format = format_by_ending(path).value_or(format_by_content(*bytes));
   for (const ParameterOverride& wanted : overrides_)
     if (const Status fits = check_format(path, wanted, format); !fits) return fail(fits.error());
-  if (gltf::is_binary(*bytes)) return with_glb_overrides(*bytes, overrides_);
-  return with_overrides(std::move(*bytes), overrides_);
+  const std::vector<ParameterOverride> all = with_names(overrides_, format);
+  if (gltf::is_binary(*bytes)) return with_glb_overrides(*bytes, all);
+  return with_overrides(std::move(*bytes), all);
 }
 
 }  // namespace tessera::core

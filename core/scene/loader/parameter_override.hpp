@@ -29,8 +29,9 @@ Result<ParameterOverride> parse_override(std::string_view text);
 
 // The choice of a camera, scene, variant or animation by its name or number.
 ParameterOverride select_by_name(std::string_view what, const std::string& name);
-// The choice of the time of an animation.
+// The choice of the time of an animation, and of how long the shutter is open then.
 ParameterOverride select_time(double seconds);
+ParameterOverride select_shutter(double seconds);
 
 // The scene file with the values replaced, one after the other; lines keep their numbers. An object that
 // lacks the key gets it, so that an unknown key is found when the scene is read. In a Mitsuba scene the path
@@ -40,7 +41,8 @@ ParameterOverride select_time(double seconds);
 Result<std::string> with_overrides(std::string text, std::span<const ParameterOverride> overrides);
 
 // Other files as they are, and the scene file with overrides, also the JSON of a .glb file; INVALID_ARGUMENT
-// if its format has no parameters that can be replaced, or nothing to choose.
+// if its format has no parameters that can be replaced, or nothing to choose. The names of replaced
+// parameters are added to a scene of another program, so that its reader refuses those that nothing uses.
 class OverriddenAssets : public AssetSource {
  public:
   OverriddenAssets(AssetSource& inner, std::string scene_path, std::vector<ParameterOverride> overrides)

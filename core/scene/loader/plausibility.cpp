@@ -4,23 +4,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <string_view>
-#include <variant>
+#include <concepts>
 #include <vector>
 
-#include "core/base/overloaded.hpp"
 #include "core/scene/loader/wording.hpp"
+#include "core/scene/tables/material_tables.hpp"
 
 namespace tessera::core {
 namespace {
 
 // The parameters that are reflectances or transmittances.
-std::vector<ColorParameter> shares_of(const MaterialModel& model) {
+std::vector<ColorParameter> shares_of(const Material& material) {
   std::vector<ColorParameter> shares;
-  const auto add = [&](std::string_view key, const ColorParameter& parameter) {
-    if (key != "eta" && key != "k" && key != "sigma_a") shares.push_back(parameter);
-  };
-  visit_parameters(model, Overloaded{add, [](auto, const ScalarParameter&) {}});
+  visit_keys(material, [&]<typename Value>(const auto& key, const Value& value) {
+    if constexpr (std::same_as<Value, ColorParameter>)
+      if (&key.domain == &domains::kShare) shares.push_back(value);
+  });
   return shares;
 }
 
@@ -29,7 +28,7 @@ std::vector<ColorParameter> shares_of(const MaterialModel& model) {
 void check_plausibility(const SceneDescription& scene, const std::vector<Place>& material_places,
                         const Place& shapes_place, Mistakes& mistakes) {
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-    for (const auto& share : shares_of(scene.materials[i].model)) {
+    for (const auto& share : shares_of(scene.materials[i])) {
       if (share.texture < 0) continue;
       const Texture& texture = scene.textures[static_cast<std::size_t>(share.texture)];
       const float largest = max_component(texture.image->largest() * share.value);

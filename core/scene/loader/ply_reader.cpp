@@ -439,13 +439,9 @@ Result<MeshFile> read_ply(std::string_view bytes, const std::string& name, const
     return fail(error.code, fmt::format("{} {}", in_quotes(name), error.message));
   };
   std::string content;
-  if (is_gzip(bytes)) {
-    auto decompressed = gunzip(bytes);
-    if (!decompressed) return named(decompressed.error());
-    content = std::move(*decompressed);
-    bytes = content;
-  }
-  auto file = read_plain_ply(bytes, triangles, attributes);
+  const auto plain = gunzipped(bytes, content);
+  if (!plain) return named(plain.error());
+  auto file = read_plain_ply(*plain, triangles, attributes);
   if (!file) return named(file.error());
   return file;
 }

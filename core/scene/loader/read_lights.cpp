@@ -6,14 +6,14 @@
 
 #include "core/geometry/placement.hpp"
 #include "core/scene/loader/scene_file.hpp"
+#include "core/scene/loader/table_reader.hpp"
+#include "core/scene/tables/light_tables.hpp"
 #include "core/scene/validation.hpp"
 
 namespace tessera::core {
 namespace {
 
 using scene_keys::kLightTypes;
-
-constexpr Bounds kConeAngle{[](double v) { return v > 0 && v <= 180; }, "greater than 0 and at most 180"};
 
 bool has_direction(Vec3 v) {
   return length_squared(v) > 0 && std::isfinite(length_squared(v));
@@ -35,90 +35,45 @@ Transform read_orientation(const Field& field) {
   return steps.transform;
 }
 
-// The index of a texture of which only the image is used.
-int read_whole_image(const Field& name, const std::vector<TextureEntry>& textures, std::string_view user) {
-  const int index = read_texture_name(name, textures);
-  if (index < 0) return index;
-  const TextureEntry& texture = textures[static_cast<std::size_t>(index)];
+// Of a texture of which only the image is used.
+void check_whole_image(const Field& name, int index, const KnownNames& names, std::string_view user) {
+  if (index < 0) return;
+  const TextureEntry& texture = (*names.textures)[static_cast<std::size_t>(index)];
   if (texture.scale != Vec2{1, 1} || texture.offset != Vec2{0, 0} || texture.wrap != Wrap::kRepeat ||
       texture.wrap_v || texture.shear != Vec2{})
     name.mistake(
         fmt::format("{} is one whole image: leave out the texture's 'scale', 'offset', 'shear' and 'wrap'; "
                     "{} turns it",
                     user, user == "the environment" ? "'rotation_degrees'" : "'orientation'"));
-  return index;
 }
 
-PointLightDescription read_point(const Field& field, const std::vector<TextureEntry>& textures,
-                                 LightAnimation& a) {
-  const ObjectReader object(field, scene_keys::kPointLight);
-  PointLightDescription light;
-  light.position =
-      read_animated_or(object, "position", light.position, a.position, read_vec3, bounds::kCoordinate);
-  light.intensity =
-      read_animated_or(object, "intensity", light.intensity, a.color, read_color, bounds::kNotNegative);
-  if (const auto name = object.find("texture"))
-    light.texture = read_whole_image(*name, textures, "the light's distribution");
-  if (const auto orientation = object.find("orientation")) light.orientation = read_orientation(*orientation);
-  return light;
+// What the table of a light does not tell. Relations between keys are checked only if there is no mistake
+// yet.
+void finish(const TableReader& read, PointLightDescription& light, const KnownNames& names, bool) {
+  if (const auto texture = read.find("texture"))
+    check_whole_image(*texture, light.texture, names, "the light's distribution");
+  if (const auto orientation = read.find("orientation")) light.orientation = read_orientation(*orientation);
 }
 
-// A vector from the middle of an image to an edge.
-Vec3 read_edge(const Field& field) {
-  const std::size_t mistakes_before = field.mistakes().count();
-  const Vec3 edge = read_vec3(field, bounds::kCoordinate);
-  if (field.mistakes().count() == mistakes_before && !has_direction(edge))
-    field.mistake("must have a length that is greater than 0 and can be computed");
-  return edge;
+void check_edge(const std::optional<Field>& edge, Vec3 value) {
+  if (edge && !has_direction(value))
+    edge->mistake("must have a length that is greater than 0 and can be computed");
 }
 
-SpotFalloff read_falloff(const Field& field) {
-  return static_cast<SpotFalloff>(read_choice(field, scene_keys::kSpotFalloffs));
+void finish(const TableReader& read, SpotLightDescription& light, const KnownNames&, bool is_sound) {
+  if (!is_sound) return;
+  if (const auto image = read.find("image")) {
+    check_edge(find_member_field(*image, "right"), light.image.right);
+    check_edge(find_member_field(*image, "up"), light.image.up);
+  }
+  if (!has_direction(light.look_at - light.position))
+    read.field().mistake(
+        "'look_at' must be another point than 'position', and not too near it to be computed");
 }
 
-ProjectedImage read_projected_image(const Field& field, const std::vector<TextureEntry>& textures) {
-  const ObjectReader object(field, scene_keys::kProjectedImage);
-  ProjectedImage image;
-  image.texture = read_or(object, "texture", image.texture, read_texture_name, textures);
-  image.right = read_or(object, "right", image.right, read_edge);
-  image.up = read_or(object, "up", image.up, read_edge);
-  image.flat_field = read_or(object, "flat_field", image.flat_field, read_bool);
-  return image;
-}
-
-SpotLightDescription read_spot(const Field& field, const std::vector<TextureEntry>& textures,
-                               LightAnimation& a) {
-  const std::size_t mistakes_before = field.mistakes().count();
-  const ObjectReader object(field, scene_keys::kSpotLight);
-  SpotLightDescription light;
-  light.position =
-      read_animated_or(object, "position", light.position, a.position, read_vec3, bounds::kCoordinate);
-  light.look_at =
-      read_animated_or(object, "look_at", light.look_at, a.look_at, read_vec3, bounds::kCoordinate);
-  light.intensity =
-      read_animated_or(object, "intensity", light.intensity, a.color, read_color, bounds::kNotNegative);
-  light.angle_degrees =
-      read_animated_or(object, "angle_degrees", light.angle_degrees, a.angle_degrees, read_float, kConeAngle);
-  light.softness =
-      read_animated_or(object, "softness", light.softness, a.softness, read_float, bounds::kUnit);
-  light.falloff = read_or(object, "falloff", light.falloff, read_falloff);
-  light.image = read_or(object, "image", light.image, read_projected_image, textures);
-  if (field.mistakes().count() == mistakes_before && !has_direction(light.look_at - light.position))
-    field.mistake("'look_at' must be another point than 'position', and not too near it to be computed");
-  return light;
-}
-
-DirectionalLightDescription read_directional(const Field& field, LightAnimation& a) {
-  const std::size_t mistakes_before = field.mistakes().count();
-  const ObjectReader object(field, scene_keys::kDirectionalLight);
-  DirectionalLightDescription light;
-  light.direction =
-      read_animated_or(object, "direction", light.direction, a.direction, read_vec3, bounds::kAny);
-  light.irradiance =
-      read_animated_or(object, "irradiance", light.irradiance, a.color, read_color, bounds::kNotNegative);
-  if (field.mistakes().count() == mistakes_before && !has_direction(light.direction))
-    field.mistake("'direction' must have a length that is greater than 0 and can be computed");
-  return light;
+void finish(const TableReader& read, DirectionalLightDescription& light, const KnownNames&, bool is_sound) {
+  if (is_sound && !has_direction(light.direction))
+    read.field().mistake("'direction' must have a length that is greater than 0 and can be computed");
 }
 
 bool is_animated(const LightAnimation& a) {
@@ -126,22 +81,19 @@ bool is_animated(const LightAnimation& a) {
            a.angle_degrees.empty() && a.softness.empty());
 }
 
-LightDescription read_light(const Field& field, std::size_t type, const std::vector<TextureEntry>& textures,
+LightDescription read_light(const Field& field, std::size_t type, const KnownNames& names,
                             LightAnimation& animation) {
-  if (type == 0) return read_point(field, textures, animation);
-  if (type == 1) return read_spot(field, textures, animation);
-  return read_directional(field, animation);
-}
-
-// Unlike an emission, it has its texture in a separate key.
-Rgb read_environment_radiance(const Field& field) {
-  if (field.value().get_if<JsonValue::Number>() || field.value().get_if<JsonValue::Array>())
-    return read_color(field, bounds::kNotNegative);
-  field.mistake(
-      fmt::format("must be a number or a list of 3 numbers, got {}; the texture is a key of its own: "
-                  "\"texture\": \"NAME\"",
-                  field.value().describe()));
-  return {};
+  const std::size_t mistakes_before = field.mistakes().count();
+  const std::string kind = fmt::format("{} light", kLightTypes[type]);
+  auto light = alternative<LightDescription>(type);
+  std::visit(
+      [&]<typename Light>(Light& description) {
+        const TableReader read(field, kind, rules_of(kTypeKey, kKeys<Light>), names);
+        read.read(kKeys<Light>, description, animation);
+        finish(read, description, names, field.mistakes().count() == mistakes_before);
+      },
+      light);
+  return light;
 }
 
 }  // namespace
@@ -153,13 +105,14 @@ std::vector<LightDescription> read_lights(const Field& field, const std::vector<
     field.must_be("a list of lights in brackets");
     return {};
   }
+  const KnownNames names{.textures = &textures};
   std::vector<LightDescription> lights;
   for (std::size_t i = 0; i < items->size(); ++i) {
     const Field entry = field.element(i);
     const auto type = read_type(entry, kLightTypes, "light");
     if (!type) continue;
     LightAnimation animation{.light = static_cast<std::uint32_t>(lights.size())};
-    lights.push_back(read_light(entry, *type, textures, animation));
+    lights.push_back(read_light(entry, *type, names, animation));
     if (is_animated(animation)) animations.push_back(std::move(animation));
   }
   return lights;
@@ -167,18 +120,14 @@ std::vector<LightDescription> read_lights(const Field& field, const std::vector<
 
 EnvironmentDescription read_environment(const Field& field, const std::vector<TextureEntry>& textures,
                                         ParameterTracks& tracks) {
-  const ObjectReader object(field, scene_keys::kEnvironment);
+  const KnownNames names{.textures = &textures};
+  const TableReader read(field, "environment", rules_of(kKeys<EnvironmentDescription>), names);
   EnvironmentDescription environment;
-  environment.radiance.value =
-      read_animated_or(object, "radiance", environment.radiance.value, tracks, read_environment_radiance);
-  environment.rotation_degrees = read_animated_or(object, "rotation_degrees", environment.rotation_degrees,
-                                                  tracks, read_float, bounds::kDegrees);
-  if (const auto orientation = object.find("orientation"))
+  read.read(kKeys<EnvironmentDescription>, environment, tracks);
+  if (const auto orientation = read.find("orientation"))
     environment.orientation = read_orientation(*orientation);
-  environment.visible_to_camera =
-      read_or(object, "visible_to_camera", environment.visible_to_camera, read_bool);
-  if (const auto name = object.find("texture"))
-    environment.radiance.texture = read_whole_image(*name, textures, "the environment");
+  if (const auto texture = read.find("texture"))
+    check_whole_image(*texture, environment.radiance.texture, names, "the environment");
   return environment;
 }
 

@@ -5,14 +5,12 @@
 #include <algorithm>
 
 #include "core/scene/loader/scene_file.hpp"
+#include "core/scene/loader/table_reader.hpp"
 #include "core/scene/loader/wording.hpp"
+#include "core/scene/tables/medium_tables.hpp"
 
 namespace tessera::core {
 namespace {
-
-constexpr Bounds kAsymmetry{
-    [](double v) { return v > -1 && v < 1 && static_cast<float>(v) > -1 && static_cast<float>(v) < 1; },
-    "greater than -1 and less than 1"};
 
 // The index of the named entry; -1 after a mistake.
 template <typename Entry>
@@ -28,10 +26,6 @@ int index_of_name(const Field& field, const std::vector<Entry>& entries, std::st
   return -1;
 }
 
-int read_grid_name(const Field& field, const std::vector<GridEntry>& grids) {
-  return index_of_name(field, grids, "grid");
-}
-
 Transform read_grid_transform(const Field& field) {
   const TransformEntry entry = read_transform(field);
   if (!entry.motion.empty()) field.mistake("the transform of a medium's grids cannot be animated");
@@ -40,24 +34,15 @@ Transform read_grid_transform(const Field& field) {
 
 MediumDescription read_medium(const Field& field, const std::string& name,
                               const std::vector<GridEntry>& grids, ParameterTracks& tracks) {
-  const ObjectReader object(field, scene_keys::kMedium);
+  const KnownNames names{.grids = &grids};
+  const TableReader read(field, "medium", rules_of(kKeys<MediumDescription>), names);
   MediumDescription medium;
   medium.name = name;
-  medium.sigma_a =
-      read_animated_or(object, "sigma_a", medium.sigma_a, tracks, read_color, bounds::kNotNegative);
-  medium.sigma_s =
-      read_animated_or(object, "sigma_s", medium.sigma_s, tracks, read_color, bounds::kNotNegative);
-  medium.scale = read_animated_or(object, "scale", medium.scale, tracks, read_float, bounds::kNotNegative);
-  medium.g = read_animated_or(object, "g", medium.g, tracks, read_float, kAsymmetry);
-  medium.emission =
-      read_animated_or(object, "emission", medium.emission, tracks, read_color, bounds::kNotNegative);
-  medium.absorption_grid = read_or(object, "absorption_grid", medium.absorption_grid, read_grid_name, grids);
-  medium.scattering_grid = read_or(object, "scattering_grid", medium.scattering_grid, read_grid_name, grids);
-  medium.emission_grid = read_or(object, "emission_grid", medium.emission_grid, read_grid_name, grids);
-  const auto transform = object.find("transform");
+  read.read(kKeys<MediumDescription>, medium, tracks);
+  const auto transform = read.find("transform");
   if (transform) medium.grid_to_world = read_grid_transform(*transform);
   const bool names_grid =
-      object.find("absorption_grid") || object.find("scattering_grid") || object.find("emission_grid");
+      read.find("absorption_grid") || read.find("scattering_grid") || read.find("emission_grid");
   if (transform && !names_grid)
     transform->mistake("a medium without grids has no place of its own; leave this out");
   return medium;
@@ -93,6 +78,10 @@ std::vector<MediumDescription> read_media(const Field& field, const std::vector<
     if (!animation.tracks.empty()) animations.push_back(std::move(animation));
   }
   return media;
+}
+
+int read_grid_name(const Field& field, const std::vector<GridEntry>& grids) {
+  return index_of_name(field, grids, "grid");
 }
 
 int read_medium_name(const Field& field, const std::vector<MediumDescription>& media) {

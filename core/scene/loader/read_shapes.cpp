@@ -10,26 +10,23 @@
 #include "core/geometry/placement.hpp"
 #include "core/scene/analytic_shapes.hpp"
 #include "core/scene/loader/scene_file.hpp"
+#include "core/scene/loader/table_reader.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
 namespace {
 
-using scene_keys::kNormals;
 using scene_keys::kShapeTypes;
-using scene_keys::kVertexColors;
-
-using Words = std::span<const std::string_view>;
 
 Vec3 read_scale(const Field& field) {
-  if (field.value().get_if<JsonValue::Array>()) return read_vec3(field, bounds::kNotZero);
-  const float factor = read_float(field, bounds::kNotZero);
+  if (field.value().get_if<JsonValue::Array>()) return read_vec3(field, ranges::kNotZero);
+  const float factor = read_float(field, ranges::kNotZero);
   return {factor, factor, factor};
 }
 
 // The axis of a rotation. Not zero, also after a mistake.
 Vec3 read_axis(const Field& rotation, const ObjectReader& object) {
-  const Vec3 axis = read_or(object, "axis", Vec3{0, 1, 0}, read_vec3, bounds::kAny);
+  const Vec3 axis = read_or(object, "axis", Vec3{0, 1, 0}, read_vec3, ranges::kAny);
   if (length(axis) > 0 && std::isfinite(length(axis))) return axis;
   rotation.mistake("'axis' must have a length that is greater than 0 and can be computed");
   return {0, 1, 0};
@@ -44,7 +41,7 @@ Quaternion read_quaternion(const Field& field) {
     field.must_be("a list of 4 numbers, [w, x, y, z]");
     return {};
   }
-  for (std::size_t i = 0; i < kCount; ++i) q[i] = read_float(field.element(i), bounds::kAny);
+  for (std::size_t i = 0; i < kCount; ++i) q[i] = read_float(field.element(i), ranges::kAny);
   const float squared_norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
   if (!(std::fabs(squared_norm - 1) < 1e-3f)) field.must_be("a quaternion of length 1");
   return {q[0], q[1], q[2], q[3]};
@@ -57,7 +54,7 @@ Quaternion read_rotation_key(const Field& field) {
   }
   const ObjectReader object(field, scene_keys::kRotation);
   const Vec3 axis = read_axis(field, object);
-  return rotation_quaternion(axis, read_or(object, "degrees", 0.0f, read_float, bounds::kDegrees));
+  return rotation_quaternion(axis, read_or(object, "degrees", 0.0f, read_float, ranges::kDegrees));
 }
 
 // Keyframes of whole rotations, or of the angle about a fixed axis, or neither.
@@ -71,7 +68,7 @@ MotionStep read_rotation(const Field& field) {
   const ObjectReader object(field, scene_keys::kRotation);
   TurnMotion motion{read_axis(field, object), {}};
   const float degrees =
-      read_animated_or(object, "degrees", 0.0f, motion.degrees, read_float, bounds::kDegrees);
+      read_animated_or(object, "degrees", 0.0f, motion.degrees, read_float, ranges::kDegrees);
   if (motion.degrees.empty()) return rotation(motion.axis, degrees);
   return motion;
 }
@@ -85,7 +82,7 @@ MotionStep read_scaling(const Field& field) {
 
 MotionStep read_translation(const Field& field) {
   TranslationMotion motion;
-  const Vec3 offset = read_animated(field, motion.offsets, read_vec3, bounds::kAny);
+  const Vec3 offset = read_animated(field, motion.offsets, read_vec3, ranges::kAny);
   if (motion.offsets.empty()) return translation(offset);
   return motion;
 }
@@ -108,10 +105,10 @@ Transform read_matrix(const Field& field) {
   Transform matrix;
   for (int i = 0; i < 3; ++i) {
     const Field row = field.element(static_cast<std::size_t>(i));
-    matrix.x_axis[i] = read_float(row.element(0), bounds::kAny);
-    matrix.y_axis[i] = read_float(row.element(1), bounds::kAny);
-    matrix.z_axis[i] = read_float(row.element(2), bounds::kAny);
-    matrix.origin[i] = read_float(row.element(3), bounds::kAny);
+    matrix.x_axis[i] = read_float(row.element(0), ranges::kAny);
+    matrix.y_axis[i] = read_float(row.element(1), ranges::kAny);
+    matrix.z_axis[i] = read_float(row.element(2), ranges::kAny);
+    matrix.origin[i] = read_float(row.element(3), ranges::kAny);
   }
   return matrix;
 }
@@ -163,32 +160,54 @@ std::vector<std::uint32_t> read_material_names(const Field& field,
   return indices;
 }
 
-// The keys common to all shapes.
-struct Common {
-  std::optional<std::uint32_t> material;
-  TransformEntry placement;
+// The keys of a shape: those of its table, and those common to all shapes.
+template <typename Table>
+struct Written {
+  Table keys{};
+  std::optional<std::uint32_t> material{};
+  TransformEntry placement{};
 
   // That of the shape's description: an animated shape stays in its own space.
   Transform transform() const { return placement.motion.empty() ? placement.transform : Transform(); }
 };
 
-Common read_common(const ObjectReader& object, const std::vector<MaterialEntry>& materials) {
-  Common common;
-  if (const auto material = object.find("material"))
-    common.material = read_material_name(*material, materials);
-  if (const auto transform = object.find("transform")) common.placement = read_transform(*transform);
-  return common;
+template <typename Table>
+Written<Table> read_written(const TableReader& read, const std::vector<MaterialEntry>& materials) {
+  Written<Table> shape;
+  ParameterTracks none;
+  read.read(kKeys<Table>, shape.keys, none);
+  if (const auto material = read.find("material")) shape.material = read_material_name(*material, materials);
+  if (const auto transform = read.find("transform")) shape.placement = read_transform(*transform);
+  return shape;
+}
+
+template <typename Table>
+TableReader reader_of(const Field& field) {
+  const std::size_t type = ShapeKeys(Table()).index();
+  return TableReader(field, kShapeTypes[type], rules_of(kTypeKey, kKeys<Table>), {});
+}
+
+// A single keyframe is as good as none.
+void read_mesh_files(const Field& field, MeshEntry& mesh) {
+  mesh.file_place = field.place();
+  if (!has_keyframes(field)) {
+    mesh.file = read_text(field);
+    return;
+  }
+  for (const auto& [frame, file] : read_keyframes(field)) {
+    mesh.steps.frames.push_back(frame);
+    mesh.steps.values.push_back(read_text(file));
+  }
+  if (!mesh.steps.empty()) mesh.file = mesh.steps.values.front();
+  if (mesh.steps.frames.size() < 2) mesh.steps = {};
 }
 
 ShapeEntry read_mesh(const Field& field, const std::vector<MaterialEntry>& materials) {
-  const ObjectReader object(field, scene_keys::kMesh);
-  const Common common = read_common(object, materials);
+  const auto object = reader_of<MeshKeys>(field);
+  const auto common = read_written<MeshKeys>(object, materials);
   MeshEntry mesh;
-  if (const auto file = object.find("file")) {
-    mesh.file = read_text(*file);
-    mesh.file_place = file->place();
-  }
-  mesh.normals = read_or(object, "normals", mesh.normals, read_choice, Words(kNormals));
+  if (const auto file = object.find("file")) read_mesh_files(*file, mesh);
+  mesh.normals = common.keys.normals;
   mesh.material = common.material;
   if (const auto material = object.find("default_material"))
     mesh.default_material = read_material_name(*material, materials);
@@ -197,23 +216,21 @@ ShapeEntry read_mesh(const Field& field, const std::vector<MaterialEntry>& mater
     if (mesh.material || mesh.default_material)
       list->mistake("leave 'material' and 'default_material' out where 'materials' are given, or this");
   }
-  mesh.colors = read_or(object, "vertex_colors", mesh.material ? VertexColors::kIgnore : VertexColors::kUse,
-                        read_choice, Words(kVertexColors));
+  mesh.colors =
+      common.keys.vertex_colors.value_or(mesh.material ? VertexColors::kIgnore : VertexColors::kUse);
   mesh.transform = common.transform();
   return {std::move(mesh), field.place(), common.placement};
 }
 
 ShapeEntry read_sphere(const Field& field, const std::vector<MaterialEntry>& materials) {
   const std::size_t mistakes_before = field.mistakes().count();
-  const ObjectReader object(field, scene_keys::kSphere);
-  const Common common = read_common(object, materials);
-  const Vec3 center = read_or(object, "center", Vec3{0, 0, 0}, read_vec3, bounds::kCoordinate);
-  const float radius = read_or(object, "radius", 1.0f, read_float, bounds::kPositive);
+  const auto common = read_written<SphereDescription>(reader_of<SphereDescription>(field), materials);
   if (field.mistakes().count() > mistakes_before)
     return {ShapeDescription(SphereDescription{}), field.place()};
   const Transform t = common.transform();
   if (!(uniform_scale(t, 1e-4f) > 0))
     field.mistake("a sphere must stay round: its transform must scale by the same factor in all directions");
+  const auto& [center, radius, unused] = common.keys;
   const SphereDescription sphere{t.point(center), radius * t.scales().x, common.material.value_or(0)};
   if (!is_finite(sphere.center) || !std::isfinite(sphere.radius) || !(sphere.radius > 0))
     field.mistake("the transformed sphere is too large or too small to be computed");
@@ -232,15 +249,12 @@ MeshDescription mirrored_quad(const QuadDescription& q) {
 
 ShapeEntry read_quad(const Field& field, const std::vector<MaterialEntry>& materials) {
   const std::size_t mistakes_before = field.mistakes().count();
-  const ObjectReader object(field, scene_keys::kQuad);
-  const Common common = read_common(object, materials);
+  const auto common = read_written<QuadDescription>(reader_of<QuadDescription>(field), materials);
   const Transform t = common.transform();
-  const auto corner = read_or(object, "corner", Vec3{0, 0, 0}, read_vec3, bounds::kCoordinate);
-  const auto edge_u = read_or(object, "edge_u", Vec3{}, read_vec3, bounds::kCoordinate);
-  const auto edge_v = read_or(object, "edge_v", Vec3{}, read_vec3, bounds::kCoordinate);
   if (field.mistakes().count() > mistakes_before) return {ShapeDescription(QuadDescription{}), field.place()};
-  const QuadDescription quad{t.point(corner), t.direction(edge_u), t.direction(edge_v),
-                             common.material.value_or(0)};
+  const QuadDescription& written = common.keys;
+  const QuadDescription quad{t.point(written.corner), t.direction(written.edge_u),
+                             t.direction(written.edge_v), common.material.value_or(0)};
   const float area = length(cross(quad.edge_u, quad.edge_v));
   if (!(area > 0) || !std::isfinite(area) || !is_finite(quad.corner))
     field.mistake("'edge_u' and 'edge_v' must span an area that is greater than 0 and can be computed");
@@ -249,8 +263,8 @@ ShapeEntry read_quad(const Field& field, const std::vector<MaterialEntry>& mater
 }
 
 // The shape is returned by description(), which is called only if there are no mistakes yet.
-template <typename Description>
-ShapeEntry analytic_entry(const Field& field, std::size_t mistakes_before, const Common& common,
+template <typename Table, typename Description>
+ShapeEntry analytic_entry(const Field& field, std::size_t mistakes_before, const Written<Table>& common,
                           const Description& description) {
   using Shape = decltype(description());
   if (field.mistakes().count() > mistakes_before) return {ShapeDescription(Shape{}), field.place()};
@@ -261,35 +275,26 @@ ShapeEntry analytic_entry(const Field& field, std::size_t mistakes_before, const
 
 ShapeEntry read_disk(const Field& field, const std::vector<MaterialEntry>& materials) {
   const std::size_t mistakes_before = field.mistakes().count();
-  const ObjectReader object(field, scene_keys::kDisk);
-  const Common common = read_common(object, materials);
-  const Vec3 center = read_or(object, "center", Vec3{0, 0, 0}, read_vec3, bounds::kCoordinate);
-  const Vec3 normal = read_or(object, "normal", Vec3{0, 0, 1}, read_vec3, bounds::kAny);
-  const float radius = read_or(object, "radius", 1.0f, read_float, bounds::kPositive);
-  const float inner = read_or(object, "inner_radius", 0.0f, read_float, bounds::kNotNegative);
-  const bool flipped = read_or(object, "flip_normal", false, read_bool);
-  if (!has_direction(Vec3d(normal)))
+  const auto written = read_written<DiskKeys>(reader_of<DiskKeys>(field), materials);
+  const DiskKeys& keys = written.keys;
+  if (!has_direction(Vec3d(keys.normal)))
     field.mistake("'normal' must have a length that is greater than 0 and can be computed");
-  if (!(inner < radius)) field.mistake("'inner_radius' must be less than 'radius'");
-  return analytic_entry(field, mistakes_before, common, [&] {
-    DiskDescription disk = make_disk(center, normal, radius, inner);
-    disk.flipped = flipped;
+  if (!(keys.inner_radius < keys.radius)) field.mistake("'inner_radius' must be less than 'radius'");
+  return analytic_entry(field, mistakes_before, written, [&] {
+    DiskDescription disk = make_disk(keys.center, keys.normal, keys.radius, keys.inner_radius);
+    disk.flipped = keys.flip_normal;
     return disk;
   });
 }
 
 ShapeEntry read_cylinder(const Field& field, const std::vector<MaterialEntry>& materials) {
   const std::size_t mistakes_before = field.mistakes().count();
-  const ObjectReader object(field, scene_keys::kCylinder);
-  const Common common = read_common(object, materials);
-  const Vec3 start = read_or(object, "start", Vec3{0, 0, 0}, read_vec3, bounds::kCoordinate);
-  const Vec3 end = read_or(object, "end", Vec3{0, 0, 1}, read_vec3, bounds::kCoordinate);
-  const float radius = read_or(object, "radius", 1.0f, read_float, bounds::kPositive);
-  const bool flipped = read_or(object, "flip_normal", false, read_bool);
-  if (start == end) field.mistake("'start' and 'end' must be two points");
-  return analytic_entry(field, mistakes_before, common, [&] {
-    CylinderDescription cylinder = make_cylinder(start, end, radius);
-    cylinder.flipped = flipped;
+  const auto written = read_written<CylinderKeys>(reader_of<CylinderKeys>(field), materials);
+  const CylinderKeys& keys = written.keys;
+  if (keys.start == keys.end) field.mistake("'start' and 'end' must be two points");
+  return analytic_entry(field, mistakes_before, written, [&] {
+    CylinderDescription cylinder = make_cylinder(keys.start, keys.end, keys.radius);
+    cylinder.flipped = keys.flip_normal;
     return cylinder;
   });
 }
@@ -311,14 +316,14 @@ void read_lists(const Field& field, std::string_view expected, const Read& read)
 void read_control_point(const Field& field, CurveStrands& strands) {
   const auto* items = field.value().get_if<JsonValue::Array>();
   if (items == nullptr || items->size() != 4) {
-    strands.points.push_back(read_vec3(field, bounds::kCoordinate));
+    strands.points.push_back(read_vec3(field, ranges::kCoordinate));
     return;
   }
   Vec3 point;
   for (int axis = 0; axis < 3; ++axis)
-    point[axis] = read_float(field.element(static_cast<std::size_t>(axis)), bounds::kCoordinate);
+    point[axis] = read_float(field.element(static_cast<std::size_t>(axis)), ranges::kCoordinate);
   strands.points.push_back(point);
-  strands.radii.push_back(read_float(field.element(3), bounds::kNotNegative));
+  strands.radii.push_back(read_float(field.element(3), ranges::kNotNegative));
 }
 
 void read_control_points(const Field& field, CurveStrands& strands) {
@@ -332,16 +337,16 @@ void read_control_points(const Field& field, CurveStrands& strands) {
 }
 
 ShapeEntry read_curves(const Field& field, const std::vector<MaterialEntry>& materials) {
-  const ObjectReader object(field, scene_keys::kCurves);
-  const Common common = read_common(object, materials);
+  const auto object = reader_of<CurvesKeys>(field);
+  const auto common = read_written<CurvesKeys>(object, materials);
   CurvesEntry curves;
   curves.place = field.place();
   curves.material = common.material.value_or(0);
   curves.transform = common.transform();
   CurveStrands& strands = curves.strands;
-  strands.basis = read_or(object, "basis", strands.basis, read_choice, Words(scene_keys::kCurveBases));
-  strands.shape = read_or(object, "shape", strands.shape, read_choice, Words(scene_keys::kCurveShapes));
-  if (const auto radius = object.find("radius")) curves.radius = read_float(*radius, bounds::kPositive);
+  strands.basis = common.keys.basis;
+  strands.shape = common.keys.shape;
+  curves.radius = common.keys.radius;
   const auto file = object.find("file"), points = object.find("points");
   if (file.has_value() == points.has_value()) {
     field.mistake("curves need either 'points' or a 'file'");
@@ -354,7 +359,7 @@ ShapeEntry read_curves(const Field& field, const std::vector<MaterialEntry>& mat
   if (const auto normals = object.find("normals"))
     read_lists(*normals, "a list of normals for each curve", [&](const Field& curve, std::size_t count) {
       for (std::size_t i = 0; i < count; ++i)
-        strands.normals.push_back(read_vec3(curve.element(i), bounds::kCoordinate));
+        strands.normals.push_back(read_vec3(curve.element(i), ranges::kCoordinate));
     });
   if (!(uniform_scale(common.transform(), 1e-4f) > 0))
     field.mistake("curves must stay round: their transform must scale by the same factor in all directions");
@@ -387,8 +392,8 @@ bool has_emissive_sphere(const ObjectEntry& object, std::optional<std::uint32_t>
 ShapeEntry read_instance(const Field& field, const std::vector<MaterialEntry>& materials,
                          const std::vector<ObjectEntry>& objects) {
   const std::size_t mistakes_before = field.mistakes().count();
-  const ObjectReader object(field, scene_keys::kInstance);
-  const Common common = read_common(object, materials);
+  const auto object = reader_of<InstanceKeys>(field);
+  const auto common = read_written<InstanceKeys>(object, materials);
   InstanceDescription instance{0, common.placement.transform, common.material};
   const auto entry = [&] { return ShapeEntry{ShapeDescription(instance), field.place(), common.placement}; };
   if (const auto name = object.find("object")) instance.object = read_object_name(*name, objects).value_or(0);
@@ -413,6 +418,12 @@ bool is_usable_at_keyframes(const std::vector<MotionStep>& motion, const Field& 
     return false;
   }
   return true;
+}
+
+std::string read_shape_name(const Field& field) {
+  std::string name = read_text(field);
+  if (name.empty()) field.must_be("a text that is not empty");
+  return name;
 }
 
 // Objects are the same in all instances, and so are their shapes.
@@ -475,6 +486,7 @@ std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<Materi
     if (*type == 5) shapes.push_back(read_cylinder(entry, materials));
     if (*type == 6) shapes.push_back(read_curves(entry, materials));
     if (*type == 3) shapes.push_back(read_instance(entry, materials, objects));
+    if (const auto name = find_member_field(entry, "name")) shapes.back().name = read_shape_name(*name);
     if (owner == ShapeOwner::kObject) refuse_motion(shapes.back(), entry);
   }
   return shapes;

@@ -6,31 +6,22 @@
 #include <array>
 #include <cmath>
 
+#include "core/scene/loader/table_reader.hpp"
+#include "core/scene/tables/camera_tables.hpp"
+
 namespace tessera::core {
 namespace {
 
-constexpr Bounds kFieldOfView{[](double v) { return v > 0 && v < 180; }, "greater than 0 and less than 180"};
-
-constexpr Bounds kFilterRadius{[](double v) { return v > 0 && v <= double{kMaxFilterRadiusPx}; },
-                               "greater than 0 and at most 16 pixels"};
-constexpr Bounds kTurn{[](double v) { return v >= -360 && v <= 360; }, "between -360 and 360"};
-constexpr Bounds kExposure{[](double v) { return std::fabs(v) <= double{kMaxExposureStops}; },
-                           "between -64 and 64 stops"};
-
-constexpr Bounds kShift{[](double v) { return std::fabs(v) <= double{kMaxLensShift}; },
-                        "between -1000 and 1000 widths or heights of the image"};
-
-constexpr Bounds kShutter{[](double v) { return std::fabs(v) <= double{kMaxShutterFrames}; },
-                          "between -1000 and 1000 frames"};
+constexpr Range kFilterRadius{
+    .min = 0, .max = double{kMaxFilterRadiusPx}, .excludes_min = true, .unit = "pixels"};
+constexpr Range kExposure{
+    .min = -double{kMaxExposureStops}, .max = double{kMaxExposureStops}, .unit = "stops"};
 
 void read_shutter(const Field& field, CameraDescription& camera) {
   const std::size_t mistakes_before = field.mistakes().count();
-  const auto [open, close] = read_vec2(field, kShutter);
+  const auto [open, close] = read_vec2(field, domains::kShutter.range);
   if (field.mistakes().count() != mistakes_before) return;
   if (open > close) field.mistake("the shutter must open before it closes: write [open, close]");
-  if (open == close && open != 0)
-    field.mistake(
-        "a shutter that is open for no time shows the frame: write [0, 0], and render another frame");
   camera.shutter_open = open;
   camera.shutter_close = close;
 }
@@ -53,7 +44,7 @@ void check_viewing_direction(const CameraDescription& camera, const Field& field
 }
 
 // Reports keys that cameras of the type do not have.
-void check_camera_keys(CameraType type, const ObjectReader& camera, const Field& field) {
+void check_camera_keys(CameraType type, const TableReader& camera) {
   struct Rule {
     std::string_view key;
     bool known;
@@ -68,18 +59,7 @@ void check_camera_keys(CameraType type, const ObjectReader& camera, const Field&
       found->mistake(fmt::format("a camera of the type '{}' does not have this key",
                                  scene_keys::kCameraTypes[static_cast<std::size_t>(type)]));
   if (is_orthographic && !camera.find("view_height"))
-    field.mistake("an orthographic camera needs the key 'view_height'");
-}
-
-// 0, or the number of a polygon's corners.
-int read_blades(const Field& field) {
-  const auto* number = field.value().get_if<JsonValue::Number>();
-  const auto blades = number == nullptr ? std::nullopt : number->whole;
-  if (blades && (*blades == 0 || (*blades >= kMinApertureBlades && *blades <= kMaxApertureBlades)))
-    return static_cast<int>(*blades);
-  field.must_be(fmt::format("0 for a round opening, or a whole number from {} to {}", kMinApertureBlades,
-                            kMaxApertureBlades));
-  return 0;
+    camera.field().mistake("an orthographic camera needs the key 'view_height'");
 }
 
 // 0 means no limit.
@@ -114,6 +94,23 @@ PixelRect read_crop(const Field& field) {
   return {numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
+// A word, or "group.NAME".
+void add_layer(const Field& field, LayerSet& layers) {
+  const auto* text = field.value().get_if<std::string>();
+  if (text != nullptr && std::string_view(*text).starts_with("group.")) {
+    const auto named = parse_layers(*text);
+    if (!named || named->groups.size() != 1)
+      field.mistake("the name of a light group " + std::string(kGroupNameRule));
+    else if (!layers.has_group(named->groups.front()))
+      layers.groups.push_back(named->groups.front());
+    return;
+  }
+  const std::size_t word = read_choice(field, scene_keys::kLayers);
+  if (word < kLayerCount) layers = layers.with(static_cast<Layer>(word));
+  if (word == kLayerCount) layers.bits = kAllLayers.bits;
+  if (word >= kLayerCount) layers.light_groups = true;
+}
+
 LayerSet read_layers(const Field& field) {
   const auto* items = field.value().get_if<JsonValue::Array>();
   if (items == nullptr) {
@@ -121,10 +118,7 @@ LayerSet read_layers(const Field& field) {
     return {};
   }
   LayerSet layers;
-  for (std::size_t i = 0; i < items->size(); ++i) {
-    const std::size_t word = read_choice(field.element(i), scene_keys::kLayers);
-    layers = word == kLayerCount ? kAllLayers : layers.with(static_cast<Layer>(word));
-  }
+  for (std::size_t i = 0; i < items->size(); ++i) add_layer(field.element(i), layers);
   return layers;
 }
 
@@ -150,7 +144,7 @@ RenderSettings read_render(const Field& field) {
       read_or(object, "seed", settings.seed, read_whole_number, std::uint64_t{0}, ~std::uint64_t{0});
   settings.max_depth = read_or(object, "max_depth", settings.max_depth, read_max_depth);
   settings.clamp_indirect =
-      read_or(object, "clamp_indirect", settings.clamp_indirect, read_float, bounds::kNotNegative);
+      read_or(object, "clamp_indirect", settings.clamp_indirect, read_float, ranges::kNotNegative);
   settings.integrator = read_or(object, "integrator", settings.integrator, read_choice,
                                 std::span<const std::string_view>(scene_keys::kIntegrators));
   settings.filter = read_filter(object);
@@ -167,34 +161,13 @@ RenderSettings read_render(const Field& field) {
   return settings;
 }
 
-CameraDescription read_camera(const Field& field, CameraAnimation& a) {
+CameraDescription read_camera(const Field& field, CameraAnimation& animation) {
   const std::size_t mistakes_before = field.mistakes().count();
-  const ObjectReader object(field, scene_keys::kCamera);
+  const TableReader read(field, "camera", rules_of(kKeys<CameraDescription>), {});
   CameraDescription camera;
-  camera.position =
-      read_animated_or(object, "position", camera.position, a.position, read_vec3, bounds::kCoordinate);
-  camera.look_at =
-      read_animated_or(object, "look_at", camera.look_at, a.look_at, read_vec3, bounds::kCoordinate);
-  camera.up = read_animated_or(object, "up", camera.up, a.up, read_vec3, bounds::kAny);
-  camera.vertical_fov_degrees = read_animated_or(object, "vertical_fov_degrees", camera.vertical_fov_degrees,
-                                                 a.vertical_fov_degrees, read_float, kFieldOfView);
-  camera.aperture_radius = read_animated_or(object, "aperture_radius", camera.aperture_radius,
-                                            a.aperture_radius, read_float, bounds::kNotNegative);
-  camera.focus_distance = read_animated_or(object, "focus_distance", camera.focus_distance, a.focus_distance,
-                                           read_float, bounds::kPositive);
-  camera.aperture_blades = read_or(object, "aperture_blades", camera.aperture_blades, read_blades);
-  camera.aperture_rotation_degrees =
-      read_animated_or(object, "aperture_rotation_degrees", camera.aperture_rotation_degrees,
-                       a.aperture_rotation_degrees, read_float, kTurn);
-  camera.type = read_or(object, "type", camera.type, read_choice,
-                        std::span<const std::string_view>(scene_keys::kCameraTypes));
-  camera.view_height = read_animated_or(object, "view_height", camera.view_height, a.view_height, read_float,
-                                        bounds::kPositive);
-  camera.lens_shift =
-      read_animated_or(object, "lens_shift", camera.lens_shift, a.lens_shift, read_vec2, kShift);
-  camera.mirrored = read_or(object, "mirror", camera.mirrored, read_bool);
-  if (const auto shutter = object.find("shutter")) read_shutter(*shutter, camera);
-  check_camera_keys(camera.type, object, field);
+  read.read(kKeys<CameraDescription>, camera, animation);
+  if (const auto shutter = read.find("shutter")) read_shutter(*shutter, camera);
+  check_camera_keys(camera.type, read);
   if (field.mistakes().count() == mistakes_before) check_viewing_direction(camera, field);
   return camera;
 }

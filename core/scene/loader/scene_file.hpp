@@ -14,6 +14,7 @@
 #include "core/scene/description.hpp"
 #include "core/scene/loader/field.hpp"
 #include "core/scene/loader/mistakes.hpp"
+#include "core/scene/tables/shape_tables.hpp"
 
 namespace tessera::core {
 
@@ -41,18 +42,9 @@ struct MaterialEntry {
   ParameterTracks tracks{};
 };
 
-// The shading normals of a mesh.
-enum class NormalsMode {
-  kFile,    // the file's, or else means of the faces around each vertex that meet without a
-            // edge
-  kSmooth,  // means of all faces around each vertex, ignoring the file's
-  kFlat,    // none
-};
-
-enum class VertexColors { kUse, kIgnore };
-
 struct MeshEntry {
   std::string file;
+  Track<std::string> steps{};  // files of a mesh that deforms, the first of which is `file`; else empty
   Place file_place;
   NormalsMode normals = NormalsMode::kFile;
   std::optional<std::uint32_t> material;          // of all triangles; nullopt: those of the OBJ file
@@ -83,6 +75,7 @@ struct ShapeEntry {
   Place place;
   // Of an animated shape. Its description is then in its own space, unless it is an instance.
   TransformEntry placement{};
+  std::string name{};  // empty if the file gives none
 };
 
 // An object for instances.
@@ -125,6 +118,8 @@ std::vector<GridEntry> read_grids(const Field& field);
 // At frame 0; appends to `animations`.
 std::vector<MediumDescription> read_media(const Field& field, const std::vector<GridEntry>& grids,
                                           std::vector<IndexedTracks>& animations);
+// The index in `grids`; -1 after a mistake.
+int read_grid_name(const Field& field, const std::vector<GridEntry>& grids);
 // The index in `media`; kNoMedium after a mistake.
 int read_medium_name(const Field& field, const std::vector<MediumDescription>& media);
 std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<TextureEntry>& textures,

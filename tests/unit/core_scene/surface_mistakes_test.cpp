@@ -48,7 +48,7 @@ TEST(SceneMistakes, InMaterials) {
           {"\"m\": {}",
            "materials.m: a material needs the key 'type', one of \"lambert\", \"mirror\", \"glass\", "
            "\"phong\", \"cook_torrance\", \"principled\", \"plastic\", \"conductor\", "
-           "\"diffuse_transmission\", \"thin_dielectric\", \"blend\", \"null\", \"hair\""},
+           "\"diffuse_transmission\", \"thin_dielectric\", \"blend\", \"null\", \"hair\", \"disney\""},
           {"\"m\": 3", "materials.m: must be an object in braces, got 3"},
           {"\"m\": {\"type\": \"lambertian\"}",
            "materials.m.type: unknown value 'lambertian'; did you mean 'lambert'?"},
@@ -76,7 +76,8 @@ TEST(SceneMistakes, InMaterials) {
            "materials.m.emission_sides: unknown value 'back'; known are 'both', 'front'"},
           {"\"m\": {\"type\": \"lambert\", \"ior\": 1.5}",
            "materials.m: unknown key 'ior'; known are 'type', 'albedo', 'emission', 'emission_sides', "
-           "'sampling', 'normal_map', 'bump', 'opacity', 'sides', 'interior_medium', 'exterior_medium'"},
+           "'group', 'sampling', 'normal_map', 'bump', 'opacity', 'sides', 'shading_normals', "
+           "'interior_medium', 'exterior_medium'"},
           {"\"m\": {\"type\": \"mirror\", \"reflectance\": 1.1}",
            "materials.m.reflectance: must be between 0 and 1, got 1.1"},
           {"\"m\": {\"type\": \"glass\", \"ior\": 0.67}",
@@ -270,7 +271,7 @@ TEST(SceneMistakes, InInstances) {
           {"\"object\": \"pear\"", "shapes[0].object: there is no object 'pear'; known is 'pair'"},
           {"\"material\": \"matt\"", "shapes[0]: an instance needs the key 'object'"},
           {"\"object\": \"pair\", \"radius\": 1",
-           "shapes[0]: unknown key 'radius'; known are 'type', 'object', 'material', 'transform'"},
+           "shapes[0]: unknown key 'radius'; known are 'type', 'name', 'object', 'material', 'transform'"},
           {pair + "[{\"matrix\": [[1, 0, 0, 0], [0, 1, 0, 0]]}]",
            "shapes[0].transform[0].matrix: must be three rows of four numbers such as [[1, 0, 0, 5], [0, 1, "
            "0, "

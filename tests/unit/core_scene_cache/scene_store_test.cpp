@@ -70,7 +70,7 @@ class Store : public testing::Test {
 FilmTile picture(const Scene& scene) {
   RenderSettings settings = scene.settings();
   settings.width_px = settings.height_px = 32;
-  return render(scene, settings, {0, 0, 32, 32}, {0, 4}, 2);
+  return render(prepare(scene, settings, 2), {0, 0, 32, 32}, {0, 4}, 2);
 }
 
 TEST_F(Store, GivesTheSameSceneAndPicture) {
@@ -132,8 +132,8 @@ TEST_F(Store, KnowsASceneFileByAllThatItWasMadeOf) {
   EXPECT_TRUE(warnings_.empty());
 }
 
-// "red wood.mtl" is one name if there is such a file, and else two. A scene that lacks a file it looked for is not kept: the
-// file may appear.
+// "red wood.mtl" is one name if there is such a file, and else two. A scene that lacks a file it looked for
+// is not kept: the file may appear.
 TEST_F(Store, KeepsNoSceneThatLacksAFile) {
   write_file(scene_folder_.path() / "triangle.obj", "mtllib red wood.mtl\n" + std::string(kObj).substr(15));
   write_file(scene_folder_.path() / "red", "newmtl red\nKd 0.8 0.1 0.1\n");
