@@ -9,7 +9,6 @@
 #include <exception>
 #include <utility>
 
-#include "core/http/client_certificate.hpp"
 #include "core/http/request_target.hpp"
 #include "core/http/streamed_body.hpp"
 
@@ -45,11 +44,6 @@ sockaddr_storage peer_of(MHD_Connection* connection) {
   return peer;
 }
 
-bool is_tls(MHD_Connection* connection) {
-  const auto* const info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_GNUTLS_SESSION);
-  return info != nullptr && info->tls_session != nullptr;
-}
-
 std::optional<std::uint64_t> parse_length(const std::string& text) {
   std::uint64_t length = 0;
   const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), length);
@@ -71,6 +65,11 @@ std::optional<Response> guarded(Call call) {
 }
 
 }  // namespace
+
+gnutls_session_t tls_session_of(MHD_Connection* connection) {
+  const auto* const info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_GNUTLS_SESSION);
+  return static_cast<gnutls_session_t>(info->tls_session);
+}
 
 void Connection::set_deadline(std::chrono::milliseconds delay) {
   deadline_ = Timers::Clock::now() + delay;
@@ -146,9 +145,9 @@ std::optional<Response> Connection::read_header(const char* method) {
   request.path = std::move(target->path);
   request.query = std::move(target->query);
   request.peer = peer_of(connection_);
-  request.is_secure = is_tls(connection_);
-  if (!settings_.needs_client_certificate) return std::nullopt;
-  auto name = verified_client_name(connection_);
+  request.is_secure = identity_ != nullptr;
+  if (!identity_ || !identity_->needs_client_certificate()) return std::nullopt;
+  auto name = identity_->verified_client_name(tls_session_of(connection_));
   if (!name) return plain(403, "a client certificate of a CA that the server trusts is needed\n");
   request.client_name = std::move(*name);
   return std::nullopt;

@@ -12,24 +12,30 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "core/http/server.hpp"
 #include "core/http/timers.hpp"
+#include "core/http/tls_identity.hpp"
 
 namespace tessera::http {
+
+// Of a connection with TLS, from its beginning.
+gnutls_session_t tls_session_of(MHD_Connection* connection);
 
 // What all connections of a server share.
 struct ConnectionSettings {
   Handler& handler;
   Timers& timers;
-  bool needs_client_certificate = false;
   std::chrono::milliseconds receive_timeout{};
 };
 
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(MHD_Connection* connection, int socket, const ConnectionSettings& settings)
-      : connection_(connection), socket_(socket), settings_(settings) {}
+  // `identity`: null without TLS.
+  Connection(MHD_Connection* connection, int socket, const ConnectionSettings& settings,
+             std::shared_ptr<const TlsIdentity> identity)
+      : connection_(connection), socket_(socket), settings_(settings), identity_(std::move(identity)) {}
 
   // ---- Called by MHD's thread ----
   // The time for the next request's header begins.
@@ -97,6 +103,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   MHD_Connection* const connection_;
   const int socket_;
   const ConnectionSettings& settings_;
+  const std::shared_ptr<const TlsIdentity> identity_;
   Exchange exchange_;  // of MHD's thread
 
   mutable std::mutex mutex_;

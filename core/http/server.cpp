@@ -17,10 +17,12 @@
 #include <system_error>
 #include <utility>
 
+#include "core/base/mutex.hpp"
 #include "core/http/connection.hpp"
 #include "core/http/connections.hpp"
 #include "core/http/listener.hpp"
 #include "core/http/timers.hpp"
+#include "core/http/tls_identity.hpp"
 
 namespace tessera::http {
 namespace {
@@ -37,11 +39,19 @@ constexpr const char* kTlsPriorities = "NORMAL:-VERS-ALL:+VERS-TLS1.3:+VERS-TLS1
 
 struct Server::Daemon {
   Daemon(const ServerOptions& options, Handler& handler)
-      : settings{handler, timers, !options.client_ca_pem.empty(), options.receive_timeout},
+      : settings{handler, timers, options.receive_timeout},
+        client_ca_pem(options.tls.client_ca_pem),
         max_connections(static_cast<std::size_t>(options.max_connections)) {}
   ~Daemon();
 
   core::Status start(const ServerOptions& options, const Listener& listener);
+  // Sets `mhd`, or start_failure.
+  void start_mhd(const ServerOptions& options, int socket, bool with_tls);
+  core::Status replace_identity(const TlsOptions& tls);
+  // Null without TLS.
+  std::shared_ptr<const TlsIdentity> current_identity();
+  // A connection that begins shows the current certificate. Returns its identity.
+  std::shared_ptr<const TlsIdentity> identify(MHD_Connection* connection);
 
   // MHD's callbacks, whose first argument is the daemon:
   static MHD_Result accept(void* daemon, const sockaddr* address, socklen_t size);
@@ -54,12 +64,15 @@ struct Server::Daemon {
 
   Timers timers;
   const ConnectionSettings settings;
+  const std::string client_ca_pem;  // of the start: GnuTLS names these CAs to clients
   const std::size_t max_connections;
   Connections connections;
   MHD_Daemon* mhd = nullptr;
   int passed_socket = -1;  // a copy of ServerOptions::socket
   std::atomic<bool> is_started{false};
   std::string start_failure;  // as MHD says it
+  core::Mutex identity_mutex;
+  std::shared_ptr<const TlsIdentity> identity TESSERA_GUARDED_BY(identity_mutex);
 };
 
 namespace {
@@ -82,19 +95,41 @@ MHD_OptionItem pointer_option(MHD_OPTION option, const std::string& text) {
 
 std::vector<MHD_OptionItem> tls_options(const ServerOptions& options) {
   std::vector<MHD_OptionItem> items;
-  if (!options.certificate_pem.empty()) {
+  if (!options.tls.certificate_pem.empty()) {
     static const std::string priorities = kTlsPriorities;
-    items.push_back(pointer_option(MHD_OPTION_HTTPS_MEM_CERT, options.certificate_pem));
-    items.push_back(pointer_option(MHD_OPTION_HTTPS_MEM_KEY, options.key_pem));
+    items.push_back({MHD_OPTION_HTTPS_CERT_CALLBACK, 0, reinterpret_cast<void*>(&TlsIdentity::retrieve)});
     items.push_back(pointer_option(MHD_OPTION_HTTPS_PRIORITIES, priorities));
-    if (!options.client_ca_pem.empty())
-      items.push_back(pointer_option(MHD_OPTION_HTTPS_MEM_TRUST, options.client_ca_pem));
+    if (!options.tls.client_ca_pem.empty())
+      items.push_back(pointer_option(MHD_OPTION_HTTPS_MEM_TRUST, options.tls.client_ca_pem));
   }
   items.push_back({MHD_OPTION_END, 0, nullptr});
   return items;
 }
 
 }  // namespace
+
+core::Status Server::Daemon::replace_identity(const TlsOptions& tls) {
+  auto made = TlsIdentity::make(tls);
+  if (!made) return core::fail(made.error());
+  const core::MutexLock lock(identity_mutex);
+  identity = *std::move(made);
+  return {};
+}
+
+std::shared_ptr<const TlsIdentity> Server::Daemon::current_identity() {
+  const core::MutexLock lock(identity_mutex);
+  return identity;
+}
+
+std::shared_ptr<const TlsIdentity> Server::Daemon::identify(MHD_Connection* connection) {
+  auto current = current_identity();
+  if (!current) return nullptr;
+  const gnutls_session_t session = tls_session_of(connection);
+  current->use(session);
+  // A client that was told the names of other CAs would not offer its certificate.
+  if (current->client_ca_pem() != client_ca_pem) gnutls_certificate_send_x509_rdn_sequence(session, 1);
+  return current;
+}
 
 MHD_Result Server::Daemon::accept(void* daemon, const sockaddr*, socklen_t) {
   const auto& self = *static_cast<Daemon*>(daemon);
@@ -107,7 +142,8 @@ void Server::Daemon::notify(void* daemon, MHD_Connection* connection, void** slo
   if (code == MHD_CONNECTION_NOTIFY_STARTED) {
     const int socket = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
     end_with_peer(socket);
-    const auto added = std::make_shared<Connection>(connection, socket, self.settings);
+    const auto added =
+        std::make_shared<Connection>(connection, socket, self.settings, self.identify(connection));
     self.connections.add(added);
     added->await_request();
     *slot = added.get();
@@ -145,7 +181,19 @@ void Server::Daemon::log(void* daemon, const char* format, va_list arguments) {
 }
 
 core::Status Server::Daemon::start(const ServerOptions& options, const Listener& listener) {
-  const bool with_tls = !options.certificate_pem.empty();
+  const bool with_tls = !options.tls.certificate_pem.empty();
+  if (with_tls)
+    if (const auto usable = replace_identity(options.tls); !usable) start_failure = usable.error().message;
+  if (start_failure.empty()) start_mhd(options, listener.socket, with_tls);
+  is_started = true;
+  if (mhd != nullptr) return {};
+  ::close(listener.socket);
+  return core::fail(
+      core::ErrorCode::kUnavailable,
+      fmt::format("cannot serve HTTP{} on {}: {}", with_tls ? "S" : "", listener.address, start_failure));
+}
+
+void Server::Daemon::start_mhd(const ServerOptions& options, int socket, bool with_tls) {
   const unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_SUSPEND_RESUME | MHD_USE_ERROR_LOG |
                          (with_tls ? static_cast<unsigned>(MHD_USE_TLS) : 0U);
   const auto seconds = std::chrono::ceil<std::chrono::seconds>(options.receive_timeout).count();
@@ -153,11 +201,11 @@ core::Status Server::Daemon::start(const ServerOptions& options, const Listener&
   // MHD divides its limit among the threads, of which one may get all connections; accept() has ours.
   const auto mhd_limit = threads * (static_cast<unsigned>(options.max_connections) + 1);
   std::vector<MHD_OptionItem> tls = tls_options(options);
-  mhd = MHD_start_daemon(flags, 0, &accept, this, &proceed, this,    //
-                         MHD_OPTION_EXTERNAL_LOGGER, &log, this,     // first
-                         MHD_OPTION_LISTEN_SOCKET, listener.socket,  //
-                         MHD_OPTION_THREAD_POOL_SIZE, threads,       //
-                         MHD_OPTION_CONNECTION_LIMIT, mhd_limit,     //
+  mhd = MHD_start_daemon(flags, 0, &accept, this, &proceed, this,  //
+                         MHD_OPTION_EXTERNAL_LOGGER, &log, this,   // first
+                         MHD_OPTION_LISTEN_SOCKET, socket,         //
+                         MHD_OPTION_THREAD_POOL_SIZE, threads,     //
+                         MHD_OPTION_CONNECTION_LIMIT, mhd_limit,   //
                          MHD_OPTION_PER_IP_CONNECTION_LIMIT,
                          static_cast<unsigned>(options.max_connections_per_machine),     //
                          MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionBytes,           //
@@ -168,12 +216,6 @@ core::Status Server::Daemon::start(const ServerOptions& options, const Listener&
                          MHD_OPTION_URI_LOG_CALLBACK, &begin_request, this,              //
                          MHD_OPTION_ARRAY, tls.data(),                                   //
                          MHD_OPTION_END);
-  is_started = true;
-  if (mhd != nullptr) return {};
-  ::close(listener.socket);
-  return core::fail(
-      core::ErrorCode::kUnavailable,
-      fmt::format("cannot serve HTTP{} on {}: {}", with_tls ? "S" : "", listener.address, start_failure));
 }
 
 Server::Daemon::~Daemon() {
@@ -210,5 +252,10 @@ Server::Server(std::unique_ptr<Daemon> daemon, std::string address)
     : daemon_(std::move(daemon)), address_(std::move(address)) {}
 
 Server::~Server() = default;
+
+core::Status Server::replace_certificates(const TlsOptions& tls) {
+  const auto replaced = daemon_->replace_identity(tls);
+  return replaced ? replaced : core::fail(replaced.error().within("HTTPS on " + address_));
+}
 
 }  // namespace tessera::http

@@ -105,12 +105,16 @@ class Handler {
   virtual Response handle(const Request& request) = 0;
 };
 
+struct TlsOptions {
+  std::string certificate_pem{}, key_pem{};  // both empty: without TLS
+  std::string client_ca_pem{};               // empty: clients need no certificate; else 403 without one
+};
+
 struct ServerOptions {
   std::string address;  // HOST:PORT; port 0 picks a free one
   // One that listens at the address; taken over. Copies of it listen on when the server ends. -1: a new one.
   int socket = -1;
-  std::string certificate_pem{}, key_pem{};  // both empty: without TLS
-  std::string client_ca_pem{};               // empty: clients need no certificate; else 403 without one
+  TlsOptions tls{};
   int threads = 2;
   int max_connections = 1024;
   int max_connections_per_machine = 512;
@@ -128,6 +132,10 @@ class Server {
 
   // HOST:PORT with the actual port.
   const std::string& address() const { return address_; }
+
+  // Connections that begin later use other certificates; others go on. Of a server that was started with TLS,
+  // and with client CAs if these have some. After an error, nothing has changed.
+  core::Status replace_certificates(const TlsOptions& tls);
 
  private:
   struct Daemon;

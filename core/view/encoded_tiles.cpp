@@ -16,6 +16,14 @@ std::size_t bytes_of(const std::shared_ptr<const EncodedTile>& tile) {
   return kBytesPerEntry + (tile ? tile->pixels.size() : 0);
 }
 
+core::Result<std::string> encode(const EncodedTiles::Key& key, const core::PixelRect& rect,
+                                 const TileAtRevision& tile) {
+  if (key.has_all_channels) return encode_channels(tile.layers, rect, tile.sums);
+  return encode_pixels(key.layer ? develop_layer(tile.layers, *key.layer, rect, tile.sums, key.level)
+                                 : develop_level(rect, tile.sums, key.level),
+                       key.format);
+}
+
 }  // namespace
 
 std::shared_ptr<EncodedTiles::Entry> EncodedTiles::entry(const Key& key) {
@@ -61,10 +69,7 @@ core::Result<std::shared_ptr<const EncodedTile>> EncodedTiles::get(const Key& ke
   if (auto tile = tile_of(*wanted); is_new_enough(tile)) return tile;
   const auto samples = read();
   if (!samples) return core::fail(samples.error());
-  const core::Image image = key.layer
-                                ? develop_layer(samples->layers, *key.layer, rect, samples->sums, key.level)
-                                : develop_level(rect, samples->sums, key.level);
-  auto pixels = encode_pixels(image, key.format);
+  auto pixels = encode(key, rect, *samples);
   if (!pixels) return core::fail(pixels.error());
   auto tile = std::make_shared<const EncodedTile>(EncodedTile{
       samples->revision, samples->sums.samples, relative_noise(samples->sums), std::move(*pixels)});

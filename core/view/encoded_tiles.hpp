@@ -39,6 +39,8 @@ class EncodedTiles {
     PixelFormat format = PixelFormat::kHalf;
     int level = 0;
     ShownLayer layer{};
+    // encode_channels() instead, at level 0.
+    bool has_all_channels = false;
     auto operator<=>(const Key&) const = default;
   };
   using Read = std::function<core::Result<TileAtRevision>()>;

@@ -9,8 +9,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/base/printable.hpp"
+#include "core/base/suggestion.hpp"
 #include "core/film/develop.hpp"
+#include "core/film/layout.hpp"
 #include "core/view/tile_pixels.hpp"
 
 namespace tessera::view {
@@ -29,21 +30,27 @@ struct Channels {
   std::size_t all, first, count;
 };
 
-Channels channels_of(LayerSet layers, Layer layer) {
-  const LayerSet before{layers.bits & ((1U << static_cast<unsigned>(layer)) - 1)};
+// Light groups come after the layers of sums and before those that follow from others.
+Channels channels_of(const LayerSet& layers, const ImageLayer& shown) {
+  const std::vector<std::string> all = core::image_channels(layers);
+  if (!shown.layer) {
+    const auto first = std::find(all.begin(), all.end(), core::group_channel(shown.group) + ".R");
+    return {all.size(), static_cast<std::size_t>(first - all.begin()), 3};
+  }
+  LayerSet before{layers.bits & ((1U << static_cast<unsigned>(*shown.layer)) - 1)};
+  if (*shown.layer >= Layer::kSamples) before.groups = layers.groups;
   const std::size_t first = core::image_channels(before).size();
-  return {core::image_channels(layers).size(), first,
-          core::image_channels(before.with(layer)).size() - first};
+  return {all.size(), first, core::image_channels(before.with(*shown.layer)).size() - first};
 }
 
-bool is_of_ids(Layer layer) {
-  return layer == Layer::kCryptoObject || layer == Layer::kCryptoMaterial || layer == Layer::kCryptoAsset;
+bool is_of_ids(const ImageLayer& shown) {
+  return shown == Layer::kCryptoObject || shown == Layer::kCryptoMaterial || shown == Layer::kCryptoAsset;
 }
 
 // Whether the mean over pixels is of the same kind as their values.
-bool has_means(Layer layer) {
-  return !is_of_ids(layer) && layer != Layer::kDepth && layer != Layer::kObjectIndex &&
-         layer != Layer::kMaterialIndex && layer != Layer::kInstanceIndex;
+bool has_means(const ImageLayer& shown) {
+  return !is_of_ids(shown) && shown != Layer::kDepth && shown != Layer::kObjectIndex &&
+         shown != Layer::kMaterialIndex && shown != Layer::kInstanceIndex;
 }
 
 core::Rgb colour_of_id(float id, float coverage) {
@@ -54,14 +61,14 @@ core::Rgb colour_of_id(float id, float coverage) {
   return {channel(0), channel(8), channel(16)};
 }
 
-core::Rgb shown(Layer layer, const float* values, std::size_t count) {
+core::Rgb shown(const ImageLayer& layer, const float* values, std::size_t count) {
   if (is_of_ids(layer)) return colour_of_id(values[0], values[1]);
   if (count == 1) return {values[0], values[0], values[0]};
   return {values[0], values[1], count > 2 ? values[2] : 0};
 }
 
-std::vector<float> develop_all(LayerSet layers, const core::PixelRect& rect, const core::Film::TileSums& sums,
-                               std::size_t channels) {
+std::vector<float> develop_all(const LayerSet& layers, const core::PixelRect& rect,
+                               const core::Film::TileSums& sums, std::size_t channels) {
   std::vector<float> values(rect.pixel_count() * channels);
   core::develop_layers(layers, rect, sums, values);
   return values;
@@ -99,20 +106,27 @@ core::Image at_level(const core::Image& image, int level, bool with_means) {
 core::Result<ShownLayer> parse_layer(std::string_view name) {
   if (name.empty()) return ShownLayer();
   const auto set = core::parse_layers(name);
-  if (set && std::has_single_bit(set->bits))
+  if (set && std::has_single_bit(set->bits) && !set->light_groups && set->groups.empty())
     return ShownLayer(static_cast<Layer>(std::countr_zero(set->bits)));
-  return invalid_layer(fmt::format("must be one of {}; got '{}'", fmt::join(core::layer_names(), ", "),
-                                   core::printable(std::string(name))));
+  if (set && set->bits == 0 && !set->light_groups && set->groups.size() == 1)
+    return ShownLayer(ImageLayer(set->groups.front()));
+  const std::vector<std::string> names = core::layer_names(LayerSet{core::kAllLayers.bits});
+  return invalid_layer(fmt::format("must be one of {}, or group.NAME; got {}{}", fmt::join(names, ", "),
+                                   core::in_quotes(name), core::suggestion(name, {names.begin(), names.end()})));
 }
 
-core::Status check_layer(LayerSet layers, const ShownLayer& layer) {
-  if (!layer || layers.has(*layer)) return {};
+std::string ImageLayer::name() const {
+  return layer ? std::string(core::layer_name(*layer)) : "group." + group;
+}
+
+core::Status check_layer(const LayerSet& layers, const ShownLayer& shown) {
+  if (!shown || (shown->layer ? layers.has(*shown->layer) : layers.has_group(shown->group))) return {};
   const std::string there =
       layers.empty() ? "no layers" : fmt::format("only {}", fmt::join(core::layer_names(layers), ", "));
-  return invalid_layer(fmt::format("the image has {}, and not {}", there, core::layer_name(*layer)));
+  return invalid_layer(fmt::format("the image has {}, and not {}", there, shown->name()));
 }
 
-core::Image develop_layer(LayerSet layers, Layer layer, const core::PixelRect& rect,
+core::Image develop_layer(const LayerSet& layers, const ImageLayer& layer, const core::PixelRect& rect,
                           const core::Film::TileSums& sums, int level) {
   core::Image image(rect.width(), rect.height());
   if (sums.samples > 0) {
@@ -127,7 +141,7 @@ core::Image develop_layer(LayerSet layers, Layer layer, const core::PixelRect& r
   return level == 0 ? image : at_level(image, level, has_means(layer));
 }
 
-LayerValues layer_values(LayerSet layers, Layer layer, const core::PixelRect& rect,
+LayerValues layer_values(const LayerSet& layers, const ImageLayer& layer, const core::PixelRect& rect,
                          const core::Film::TileSums& sums, int x, int y) {
   const Channels channels = channels_of(layers, layer);
   const std::vector<std::string> names = core::image_channels(layers);

@@ -18,7 +18,8 @@ class StreamBudget {
   // About two percent of a core: a full update of 8 MB of a 1080p image twice a second for one viewer, or its
   // coarser levels for 200.
   static constexpr double kBytesPerSecond = 16 << 20;
-  // What a new viewer is sent without delay: more than a 1080p image.
+  // What a new viewer is sent of its first image without delay, also while that grows: more than a 1080p
+  // image.
   static constexpr double kFirstBytes = 16 << 20;
 
   explicit StreamBudget(double bytes_per_second = kBytesPerSecond, double first_bytes = kFirstBytes)
@@ -30,27 +31,36 @@ class StreamBudget {
     return std::min(std::chrono::milliseconds(50 + 2 * viewers_), std::chrono::milliseconds(500));
   }
 
+  // When a viewer that has nothing to do before this time looks again: with others, so that they wake a
+  // thread of the server together. At most an eighth of the interval later.
+  Clock::time_point joint_time(Clock::time_point time) const;
+
   // One viewer's part.
   class Share {
    public:
     Share(StreamBudget& budget, Clock::time_point now)
-        : budget_(budget), credit_(budget.first_bytes_), refilled_at_(now) {
+        : budget_(budget), first_(budget.first_bytes_), refilled_at_(now) {
       ++budget_.viewers_;
     }
     ~Share() { --budget_.viewers_; }
     Share(const Share&) = delete;
     Share& operator=(const Share&) = delete;
 
-    bool may_send(Clock::time_point now);
-    void note_sent(std::size_t bytes) { credit_ -= static_cast<double>(bytes); }
-    // When to send again: late enough that it is worth a call.
-    Clock::time_point next_time() const;
+    // `is_first`: a tile that the viewer has not got yet. Others are updates.
+    bool may_send(Clock::time_point now, bool is_first);
+    void note_sent(std::size_t bytes, bool is_first) {
+      (is_first && first_ > 0 ? first_ : credit_) -= static_cast<double>(bytes);
+    }
+    // When to send again: with the next look for changes, so that one call does both.
+    Clock::time_point next_time(bool is_first) const;
 
    private:
     double rate() const { return budget_.bytes_per_second_ / std::max(1, budget_.viewers()); }
+    bool has_credit(bool is_first) const { return credit_ > 0 || (is_first && first_ > 0); }
 
     StreamBudget& budget_;
-    double credit_;
+    double first_;       // what is left of the first bytes
+    double credit_ = 0;  // what may be sent of the budget; negative after a large tile
     Clock::time_point refilled_at_;
   };
 

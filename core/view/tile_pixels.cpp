@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/film/develop.hpp"
 #include "core/film/fixed_point.hpp"
 
 namespace tessera::view {
@@ -132,9 +133,13 @@ float float_of(float value) {
   return value;
 }
 
+tl::unexpected<core::Error> damaged() {
+  return core::fail(core::ErrorCode::kDataLoss, "the pixels of a tile are damaged");
+}
+
 template <typename Number>
 core::Result<core::Image> image_of(const std::vector<Number>& numbers, core::Image image) {
-  if (numbers.empty()) return core::fail(core::ErrorCode::kDataLoss, "the pixels of a tile are damaged");
+  if (numbers.empty()) return damaged();
   const Number* next = numbers.data();
   for (core::Rgb& pixel : image.pixels) {
     pixel = {float_of(next[0]), float_of(next[1]), float_of(next[2])};
@@ -184,6 +189,19 @@ core::Result<core::Image> decode_pixels(const std::string& pixels, int width, in
       break;
   }
   return image_of(raw_numbers(pixels, count), std::move(image));
+}
+
+core::Result<std::string> encode_channels(core::LayerSet layers, const core::PixelRect& rect,
+                                          const core::Film::TileSums& sums) {
+  std::vector<float> values(rect.pixel_count() * core::image_channels(layers).size());
+  if (sums.samples > 0) core::develop_layers(layers, rect, sums, values);
+  return compress(values);
+}
+
+core::Result<std::vector<float>> decode_channels(const std::string& pixels, std::size_t count) {
+  auto values = decompress<float>(pixels, count);
+  if (values.empty()) return damaged();
+  return values;
 }
 
 }  // namespace tessera::view

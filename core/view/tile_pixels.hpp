@@ -2,7 +2,9 @@
 // The pixels of tiles as viewers receive them. Pure functions.
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include "core/base/error.hpp"
 #include "core/film/film.hpp"
@@ -33,5 +35,12 @@ core::Image develop_level(const core::PixelRect& rect, const core::Film::TileSum
 core::Result<std::string> encode_pixels(const core::Image& image, PixelFormat format);
 // The same back. DATA_LOSS: the pixels are damaged, or of another number.
 core::Result<core::Image> decode_pixels(const std::string& pixels, int width, int height, PixelFormat format);
+
+// The values of all channels of a film with these layers (core::image_channels()), side by side for each
+// pixel, as little-endian floats in a zlib stream; 0 without samples.
+core::Result<std::string> encode_channels(core::LayerSet layers, const core::PixelRect& rect,
+                                          const core::Film::TileSums& sums);
+// So many values back. DATA_LOSS as above.
+core::Result<std::vector<float>> decode_channels(const std::string& pixels, std::size_t count);
 
 }  // namespace tessera::view

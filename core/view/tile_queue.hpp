@@ -37,6 +37,8 @@ class TileQueue {
   // Takes it out of the queue, but for a coarse one, which is to be sent finely, too. Nothing if there is
   // none that may be sent now.
   std::optional<Next> take(Clock::time_point now);
+  // Whether the next one is a tile of which the viewer has got nothing in full yet.
+  bool is_next_new() const { return next_time() == Clock::time_point{}; }
   // Changes of the tile up to this revision are sent.
   void note_sent(int tile, Revision revision, Clock::time_point now);
 

@@ -13,6 +13,7 @@ using std::chrono::milliseconds;
 
 // The first image is sent at a level of this many more before the wanted one.
 constexpr int kCoarser = 3;
+static_assert(kFirstJoinedLevel + kCoarser <= kMaxLevel);
 constexpr std::size_t kChangesOfRound = 1024;
 constexpr milliseconds kHeaderInterval{500};
 constexpr milliseconds kRevisionInterval{1000};
@@ -77,7 +78,8 @@ bool TileStream::poll_header(Clock::time_point now, std::string& out) {
 }
 
 bool TileStream::poll_changes() {
-  const bool with_coarse = is_first_poll_ && query_.since == 0 && query_.level < kMaxLevel;
+  // Coarse tiles are so small that to read and send them twice takes longer than to send them at once.
+  const bool with_coarse = is_first_poll_ && query_.since == 0 && query_.level < kFirstJoinedLevel;
   for (;;) {
     const auto changes = source_->changes_since(seen_, kChangesOfRound);
     if (!changes) {
@@ -98,12 +100,14 @@ bool TileStream::write_tiles(std::string& out, std::size_t max_bytes, Clock::tim
   JoinedTiles joined;
   const auto size = [&] { return out.size() + joined.size_bytes(); };
   bool continues = true;
-  while (continues && queue_ && size() < max_bytes && now >= retry_at_ && share_.may_send(now)) {
+  while (continues && queue_ && size() < max_bytes && now >= retry_at_) {
+    const bool is_first = is_next_first();
+    if (!share_.may_send(now, is_first)) break;
     const auto next = queue_->take(now);
     if (!next) break;
     const std::size_t before = size();
     continues = write_tile(*next, joined, out, now);
-    share_.note_sent(size() - before);
+    share_.note_sent(size() - before, is_first);
   }
   joined.append_to(out);
   return continues;
@@ -112,7 +116,7 @@ bool TileStream::write_tiles(std::string& out, std::size_t max_bytes, Clock::tim
 bool TileStream::write_tile(const TileQueue::Next& next, JoinedTiles& joined, std::string& out,
                             Clock::time_point now) {
   const TileChange& change = next.change;
-  const int level = next.is_coarse ? std::min(query_.level + kCoarser, kMaxLevel) : query_.level;
+  const int level = next.is_coarse ? query_.level + kCoarser : query_.level;
   const core::PixelRect rect = grid_->rect(change.tile);
   const auto tile =
       settings_.tiles.get({source_->id(), change.tile, format_of_level(level), level, query_.layer},
@@ -163,9 +167,9 @@ milliseconds TileStream::time_until_next(Clock::time_point now) const {
   Clock::time_point next = std::min(next_poll_, last_written_ + kKeepAliveInterval);
   if (queue_) {
     const auto tile = queue_->next_time();
-    if (tile) next = std::min(next, std::max({*tile, share_.next_time(), retry_at_}));
+    if (tile) next = std::min(next, std::max({*tile, share_.next_time(is_next_first()), retry_at_}));
   }
-  return std::max(std::chrono::ceil<milliseconds>(next - now), kShortestWait);
+  return std::max(std::chrono::ceil<milliseconds>(settings_.budget.joint_time(next) - now), kShortestWait);
 }
 
 }  // namespace tessera::view

@@ -46,6 +46,8 @@ class TileStream final : public http::BodySource {
 
   void find_grid();
   bool is_wanted(int tile) const;
+  // Whether the next tile belongs to the first image of a viewer, who else has earlier tiles.
+  bool is_next_first() const { return query_.since == 0 && queue_->is_next_new(); }
   void write_revision(std::string& out, Clock::time_point now);
   // Of those that read() waits for.
   std::chrono::milliseconds time_until_next(Clock::time_point now) const;

@@ -69,6 +69,13 @@ async function end(running, signal = 'SIGTERM') {
   clearTimeout(timer);
 }
 
+// The page of a local render: {url, close()}.
+export async function startView(args) {
+  const running = start('tessera', ['render', ...args, '--quiet', '--view', '127.0.0.1:0']);
+  const [, url] = await until('the page is served', () => running.err.match(/the page is at (\S+)/));
+  return {url, close: () => end(running, 'SIGINT')};
+}
+
 export class Farm {
   // tokens: lines of a file of tokens; environment of clients and workers is set by tessera({token}).
   static async start({workers = 1, threads = 2, tokens = null, options = []} = {}) {

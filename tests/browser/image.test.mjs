@@ -3,9 +3,12 @@
 // PNG file.
 import assert from 'node:assert/strict';
 import {after, before, test} from 'node:test';
-import {Farm, glowingSphere, until} from './farm.mjs';
+import {mkdtempSync, rmSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {Farm, glowingSphere, kCornell, startView, until} from './farm.mjs';
 import {nearestHalf, readExr, readPng} from './images.mjs';
-import {launch, openJob, showPixels} from './page.mjs';
+import {launch, open, openJob, showPixels} from './page.mjs';
 
 const kWidth = 150;
 const kHeight = 100;
@@ -100,6 +103,20 @@ test('each layer of a job', async () => {
   await assertHalvesOfExr(page, id);
   assert.deepEqual(page.errors, []);
   await page.context().close();
+});
+
+test('the image of a local render', async () => {
+  const folder = mkdtempSync(join(tmpdir(), 'tessera-view-'));
+  const size = `${kWidth}x${kHeight}`;
+  const view = await startView([kCornell, '-o', join(folder, 'a.exr'), '--size', size, '--spp', '2']);
+  const page = await open(browser, view.url);
+  await page.waitForFunction(() => window.tessera);
+  await showPixels(page, kWidth, kHeight);
+  await until('all pixels', async () => !(await readPixels(page)).includes(null), 20000);
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+  await view.close();
+  rmSync(folder, {recursive: true, force: true});
 });
 
 test('halves are rounded to the nearest', () => {

@@ -44,6 +44,9 @@ function updateList(element, texts) {
   element.replaceChildren(...texts.map((text) => h('li', {}, text)));
 }
 
+// Those of a local render, which has none.
+const kNoCounters = {closest_hit_rays: 0, shadow_rays: 0, non_finite_samples: 0, saturated_samples: 0};
+
 export class ProgressPanel {
   constructor() {
     this.facts = new Facts();
@@ -54,8 +57,9 @@ export class ProgressPanel {
   }
 
   update(job) {
-    const rays = job.counters.closest_hit_rays + job.counters.shadow_rays;
-    const odd = job.counters.non_finite_samples + job.counters.saturated_samples;
+    const counters = {...kNoCounters, ...job.counters};
+    const rays = counters.closest_hit_rays + counters.shadow_rays;
+    const odd = counters.non_finite_samples + counters.saturated_samples;
     this.facts.update([
       ['Samples', `${count(job.samples_done)} of ${count(job.samples_total)}`],
       ['To verify', job.samples_to_verify > 0 ? count(job.samples_to_verify) : null],
@@ -66,7 +70,7 @@ export class ProgressPanel {
       [
         'Odd samples',
         odd > 0
-          ? `${job.counters.non_finite_samples} not finite, ${job.counters.saturated_samples} ` + 'saturated'
+          ? `${counters.non_finite_samples} not finite, ${counters.saturated_samples} saturated`
           : null,
       ],
     ]);

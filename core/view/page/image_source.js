@@ -47,6 +47,8 @@ export class ImageSource {
     this.revision = 0;
     this.isEnded = false; // the job is over and the image is complete
     this.missing = new Set();
+    this.parked = new Map(); // {covered, revision} of other levels whose pages are still there
+    this.store.dropped = (dropped) => this.parked.delete(dropped);
     this.onVisibility = () => (document.hidden ? this.stop() : this.resume());
     document.addEventListener('visibilitychange', this.onVisibility);
   }
@@ -60,33 +62,37 @@ export class ImageSource {
 
   // Whether everything of the visible region is there at its level.
   get isComplete() {
-    return (
-      this.region !== null &&
-      this.missing.size === 0 &&
-      this.covered !== null &&
-      contains(this.covered, this.region)
-    );
+    return this.region !== null && this.hasAll(this.region);
   }
 
   // What is seen, in pixels of the whole image. `region` may be larger than what was asked for before.
   look(region, level) {
     if (level === this.level && this.region && contains(this.region, region)) return;
     const wanted = this.withMargin(region);
-    const isSameLevel = level === this.level;
-    const parts = isSameLevel && this.missing.size === 0 ? missingParts(wanted, this.covered) : [wanted];
-    const since = parts.length === 1 && parts[0] === wanted ? 0 : this.revision;
+    if (this.missing.size > 0) this.covered = null;
     this.stop();
+    if (level !== this.level) this.turnTo(level);
+    const parts = missingParts(wanted, this.covered);
+    const isAnew = parts.length === 1 && parts[0] === wanted;
     Object.assign(this, {level, region: wanted, isEnded: false});
     this.store.keep = {level, region: this.toWindow(wanted)};
-    if (since === 0) {
-      this.revision = 0;
-      this.covered = null;
-      this.parts = [];
-    } else {
-      this.covered = wanted;
-      this.parts = parts;
-    }
+    this.covered = isAnew ? null : wanted;
+    this.parts = isAnew ? [] : parts;
+    if (isAnew) this.revision = 0;
     this.resume();
+  }
+
+  // What is there of this level, from when it was seen before.
+  turnTo(level) {
+    const {covered, revision} = this;
+    if (covered) this.parked.set(this.level, {covered, revision});
+    Object.assign(this, {covered: null, revision: 0}, this.parked.get(level));
+    this.parked.delete(level);
+  }
+
+  // Whether everything of a region is there at the level that was asked for.
+  hasAll(region) {
+    return this.missing.size === 0 && this.covered !== null && contains(this.covered, region);
   }
 
   // An eighth more each way, so that small movements need nothing new; aligned to blocks of the coarse pass.
@@ -159,10 +165,7 @@ export class ImageSource {
   caughtUp(header) {
     if (header.type === 'revision') this.revision = header.revision;
     if (header.type === 'end') this.isEnded = true;
-    if (this.missing.delete(this.region)) {
-      this.covered = this.region;
-      this.store.keepLevel(this.level);
-    }
+    if (this.missing.delete(this.region)) this.covered = this.region;
     this.listener.changed();
   }
 

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tiles of an image on the graphics card: half-float textures ("pages") of 256 x 256 texels. A page of
-// level L holds means over blocks of 2^L x 2^L pixels. Only what was seen lately is kept.
+// level L holds means over blocks of 2^L x 2^L pixels. Only what was seen lately is kept. Of a large image that
+// is seen as a whole come tens of thousands of tiles of a few texels each: pages of such levels are put
+// together in memory, and go to the card once for each frame that is drawn.
 import {createTexture, readTexels, setFilter} from './gl.js';
 
 export const kPage = 256;
 const kMaxPages = 320;
+const kFirstComposedLevel = 3; // from which on a tile has 8 x 8 texels at the most
 const kOne = 0x3c00; // 1 as a half float
 
 export class TileStore {
@@ -15,12 +18,15 @@ export class TileStore {
     this.pages = new Map();
     this.clock = 0;
     this.keep = null; // {level, region}: pages that are not evicted; the region is relative to the window
+    this.dropped = () => {}; // called with the level of a page that is evicted
     this.scratch = new Uint16Array(0);
+    this.composed = new Set(); // pages with texels that the card lacks
   }
 
   release() {
     for (const page of this.pages.values()) this.gl.deleteTexture(page.texture);
     this.pages.clear();
+    this.composed.clear();
   }
 
   // Draws a tile into the pages of `level`; a coarser one is enlarged. An older state never replaces a newer
@@ -59,32 +65,53 @@ export class TileStore {
     }
   }
 
+  // The expanded texels, whose corner is (x, y) in the level, to the pages on which they lie.
   upload(level, x, y, width, height) {
+    for (let py = Math.floor(y / kPage); py * kPage < y + height; ++py) {
+      for (let px = Math.floor(x / kPage); px * kPage < x + width; ++px) {
+        const page = this.page(level, px, py);
+        const [left, top] = [px * kPage, py * kPage];
+        const rect = {
+          x0: Math.max(x - left, 0),
+          x1: Math.min(x + width - left, kPage),
+          y0: Math.max(y - top, 0),
+          y1: Math.min(y + height - top, kPage),
+        };
+        const from = {texels: this.scratch, width, x: x - left, y: y - top};
+        if (level < kFirstComposedLevel) this.send(page, rect, from);
+        else this.compose(page, rect, from);
+      }
+    }
+  }
+
+  // A rectangle of a page to the card, from texels in rows of `width`, the first one at (x, y) of the page.
+  send(page, {x0, y0, x1, y1}, {texels, width, x, y}) {
     const {gl} = this;
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     gl.pixelStorei(gl.UNPACK_ROW_LENGTH, width);
-    for (let py = Math.floor(y / kPage); py * kPage < y + height; ++py) {
-      for (let px = Math.floor(x / kPage); px * kPage < x + width; ++px) {
-        const x0 = Math.max(x, px * kPage),
-          x1 = Math.min(x + width, (px + 1) * kPage);
-        const y0 = Math.max(y, py * kPage),
-          y1 = Math.min(y + height, (py + 1) * kPage);
-        gl.pixelStorei(gl.UNPACK_SKIP_PIXELS, x0 - x);
-        gl.pixelStorei(gl.UNPACK_SKIP_ROWS, y0 - y);
-        gl.bindTexture(gl.TEXTURE_2D, this.page(level, px, py).texture);
-        gl.texSubImage2D(
-          gl.TEXTURE_2D,
-          0,
-          x0 - px * kPage,
-          y0 - py * kPage,
-          x1 - x0,
-          y1 - y0,
-          gl.RGBA,
-          gl.HALF_FLOAT,
-          this.scratch,
-        );
-      }
+    gl.pixelStorei(gl.UNPACK_SKIP_PIXELS, x0 - x);
+    gl.pixelStorei(gl.UNPACK_SKIP_ROWS, y0 - y);
+    gl.bindTexture(gl.TEXTURE_2D, page.texture);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, x0, y0, x1 - x0, y1 - y0, gl.RGBA, gl.HALF_FLOAT, texels);
+  }
+
+  compose(page, rect, {texels, width, x, y}) {
+    page.texels ??= new Uint16Array(4 * kPage * kPage);
+    for (let row = rect.y0; row < rect.y1; ++row) {
+      const start = 4 * ((row - y) * width + rect.x0 - x);
+      const part = texels.subarray(start, start + 4 * (rect.x1 - rect.x0));
+      page.texels.set(part, 4 * (row * kPage + rect.x0));
     }
+    page.changed = page.changed ? union(page.changed, rect) : rect;
+    this.composed.add(page);
+  }
+
+  sendComposed() {
+    for (const page of this.composed) {
+      this.send(page, page.changed, {texels: page.texels, width: kPage, x: 0, y: 0});
+      page.changed = null;
+    }
+    this.composed.clear();
   }
 
   page(level, px, py) {
@@ -106,11 +133,14 @@ export class TileStore {
   }
 
   // Draws what there is of `region` (relative to the window): other levels first, the coarsest of them below,
-  // `level` on top.
-  draw(uniforms, level, region, toTarget) {
+  // `level` on top. `isWhole`: it is enough.
+  draw(uniforms, {level, isWhole}, region, toTarget) {
     const {gl} = this;
     this.clock += 1;
-    const seen = [...this.pages.values()].filter((page) => touches(this.rect(page), region));
+    this.sendComposed();
+    const seen = [...this.pages.values()].filter(
+      (page) => (!isWhole || page.level === level) && touches(this.rect(page), region),
+    );
     const depth = (page) => (page.level === level ? -1 : page.level);
     for (const page of seen.sort((a, b) => depth(b) - depth(a))) {
       page.used = this.clock;
@@ -135,11 +165,8 @@ export class TileStore {
   drop(page) {
     this.gl.deleteTexture(page.texture);
     this.pages.delete(`${page.level}/${page.px}/${page.py}`);
-  }
-
-  // Forgets the levels that are not shown, once the shown one is complete.
-  keepLevel(level) {
-    for (const page of [...this.pages.values()]) if (page.level !== level) this.drop(page);
+    this.composed.delete(page);
+    this.dropped(page.level);
   }
 
   // Linear values of the pixels [x0, x1) x [y0, y1) of the whole image at level 0 as floats, RGB, row-major;
@@ -169,6 +196,13 @@ export class TileStore {
     }
   }
 }
+
+const union = (a, b) => ({
+  x0: Math.min(a.x0, b.x0),
+  y0: Math.min(a.y0, b.y0),
+  x1: Math.max(a.x1, b.x1),
+  y1: Math.max(a.y1, b.y1),
+});
 
 export function touches(a, b) {
   return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;

@@ -147,9 +147,9 @@ export class Viewer {
     this.frame = 0;
     if (this.isClosed || this.gl.isContextLost() || !this.isSized) return;
     this.look();
-    this.drawLight(this.targets[0], this.source.store, this.source.level);
+    this.drawLight(this.targets[0], this.source);
     const isCompared = this.other && this.comparison.mode !== 'none';
-    if (isCompared) this.drawLight(this.targets[1], this.other.store, this.other.level);
+    if (isCompared) this.drawLight(this.targets[1], this.other);
     this.develop(isCompared ? kComparisons.indexOf(this.comparison.mode) : 0);
     drawOverlays(this);
   }
@@ -172,8 +172,9 @@ export class Viewer {
     return undefined;
   }
 
-  drawLight(target, store, level) {
+  drawLight(target, source) {
     const {gl, viewport} = this;
+    const {store, level} = source;
     const {program, uniforms} = this.programs.page;
     target.begin(this.canvas.width, this.canvas.height);
     const image = this.imageRect();
@@ -188,7 +189,9 @@ export class Viewer {
     gl.activeTexture(gl.TEXTURE0);
     gl.uniform1i(uniforms.page, 0);
     gl.uniform2f(uniforms.target_size, this.canvas.width, this.canvas.height);
-    store.draw(uniforms, level, viewport.region, (rect) => viewport.toDevice(rect));
+    const {region} = viewport;
+    const isWhole = source.hasAll?.(shift(region, source.window)) ?? false;
+    store.draw(uniforms, {level, isWhole}, region, (rect) => viewport.toDevice(rect));
     gl.disable(gl.SCISSOR_TEST);
   }
 

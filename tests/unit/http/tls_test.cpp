@@ -48,18 +48,19 @@ class HttpTls : public testing::Test {
   static std::string file(const std::string& name) { return (folder_->path() / name).string(); }
   static std::string pem(const std::string& name) { return read_file(folder_->path() / name); }
 
-  ServerOptions options() const {
-    return {.address = {},
-            .certificate_pem = pem("farm/coordinator.pem"),
-            .key_pem = pem("farm/coordinator.key"),
-            .client_ca_pem = pem("farm/ca.pem")};
+  ServerOptions options() const { return {.address = {}, .tls = tls_of("farm")}; }
+  static TlsOptions tls_of(const std::string& farm) {
+    return {.certificate_pem = pem(farm + "/coordinator.pem"),
+            .key_pem = pem(farm + "/coordinator.key"),
+            .client_ca_pem = pem(farm + "/ca.pem")};
   }
 
-  std::string get_over_tls(const Server& server, const std::string& more) const {
+  std::string get_over_tls(const Server& server, const std::string& more,
+                           const std::string& farm = "farm") const {
     return output_of(
         "printf 'GET / HTTP/1.1\\r\\nHost: test\\r\\nConnection: close\\r\\n\\r\\n' | timeout 20 "
         "openssl s_client -quiet -verify_return_error -CAfile '" +
-        file("farm/ca.pem") + "' -connect " + server.address() + " " + more + " 2>/dev/null");
+        file(farm + "/ca.pem") + "' -connect " + server.address() + " " + more + " 2>/dev/null");
   }
 
   std::string certificate(const std::string& stem) const {
@@ -72,7 +73,7 @@ class HttpTls : public testing::Test {
 
 TEST_F(HttpTls, ServesWithACertificate) {
   ServerOptions without_client_ca = options();
-  without_client_ca.client_ca_pem.clear();
+  without_client_ca.tls.client_ca_pem.clear();
   const auto server = start_server(handler_, without_client_ca);
   EXPECT_THAT(get_over_tls(*server, ""), HasSubstr("\r\n\r\nsecure "));
   EXPECT_THAT(get_over_tls(*server, "-tls1_1"), Not(HasSubstr("secure")));
@@ -86,10 +87,25 @@ TEST_F(HttpTls, NamesClientsWithACertificateOfTheFarm) {
   EXPECT_THAT(get_over_tls(*server, certificate("other/client")), Not(HasSubstr("secure")));
 }
 
+// openssl shows its certificate only to servers that name no CAs, or its own.
+TEST_F(HttpTls, ReplacesItsCertificatesForNewConnections) {
+  const auto server = start_server(handler_, options());
+  TlsOptions wrong = tls_of("other");
+  wrong.key_pem = pem("farm/coordinator.key");
+  EXPECT_FALSE(server->replace_certificates(wrong));
+  EXPECT_THAT(get_over_tls(*server, certificate("farm/client")), HasSubstr("\r\n\r\nsecure client"));
+  ASSERT_TRUE(server->replace_certificates(tls_of("other")));
+  EXPECT_THAT(get_over_tls(*server, certificate("other/client"), "other"),
+              HasSubstr("\r\n\r\nsecure client"));
+  EXPECT_THAT(get_over_tls(*server, certificate("farm/client"), "other"), Not(HasSubstr("secure")));
+  EXPECT_THAT(get_over_tls(*server, certificate("farm/client")), Not(HasSubstr("secure")))
+      << "its certificate is of another authority";
+}
+
 TEST_F(HttpTls, SaysIfTheKeyIsWrong) {
   ServerOptions wrong = options();
   wrong.address = "127.0.0.1:0";
-  wrong.key_pem = "no key";
+  wrong.tls.key_pem = "no key";
   const auto server = Server::start(wrong, handler_);
   ASSERT_FALSE(server);
   EXPECT_THAT(server.error().message, HasSubstr("cannot serve HTTPS on 127.0.0.1:"));

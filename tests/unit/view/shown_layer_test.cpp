@@ -47,8 +47,9 @@ float value_of(LayerSet layers, const std::string& name, std::size_t pixel) {
 
 TEST(ShownLayer, IsFoundByItsName) {
   EXPECT_EQ(*parse_layer(""), ShownLayer());
-  for (const std::string_view name : core::layer_names())
-    EXPECT_EQ(core::layer_name(**parse_layer(name)), name);
+  const core::LayerSet all{core::kAllLayers.bits, false, {"key"}};
+  for (const std::string& name : core::layer_names(all)) EXPECT_EQ((*parse_layer(name))->name(), name);
+  EXPECT_FALSE(parse_layer("light_groups"));
   for (const char* wrong : {"all", "none", "beauty", "alpha,depth", " alpha"}) {
     const auto refused = parse_layer(wrong);
     ASSERT_FALSE(refused) << wrong;
@@ -75,6 +76,18 @@ TEST(ShownLayer, HasThreeChannels) {
   for (const float value : {develop_layer(all, Layer::kDepth, kRect, {}, 0).pixels[3].r,
                             develop_layer(all, Layer::kAlpha, kRect, {}, 2).pixels[3].g})
     EXPECT_EQ(value, 0) << "there are no samples";
+}
+
+TEST(ShownLayer, MayBeALightGroup) {
+  LayerSet all = core::kAllLayers;
+  all.groups = {"key", "fill"};
+  const ShownLayer fill = *parse_layer("group.fill");
+  EXPECT_TRUE(check_layer(all, fill));
+  const core::Rgb pixel = develop_layer(all, *fill, kRect, sums_of(all), 0).pixels.at(37);
+  EXPECT_EQ(pixel, (core::Rgb{value_of(all, "Combined_fill.R", 37), value_of(all, "Combined_fill.G", 37),
+                              value_of(all, "Combined_fill.B", 37)}));
+  EXPECT_EQ(develop_layer(all, Layer::kSamples, kRect, sums_of(all), 0).pixels.at(37), core::Rgb::gray(5));
+  EXPECT_THAT(check_layer(all, *parse_layer("group.rim")).error().message, HasSubstr("and not group.rim"));
 }
 
 TEST(ShownLayer, IsCoarseByMeansWhereTheyHaveAMeaning) {

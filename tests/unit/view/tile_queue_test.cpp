@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <set>
 #include <vector>
 
 #include "core/view/stream_budget.hpp"
@@ -61,6 +63,7 @@ TEST_F(TileQueueTest, KnowsWhatIsSent) {
   queue_.add({5, 1}, false);
   queue_.add({7, 2}, false);
   EXPECT_EQ(queue_.complete_until(7), 4u);
+  EXPECT_TRUE(queue_.is_next_new());
   const auto first = queue_.take(now_);
   ASSERT_TRUE(first);
   queue_.note_sent(1, 6, now_);
@@ -68,6 +71,9 @@ TEST_F(TileQueueTest, KnowsWhatIsSent) {
   queue_.add({6, 1}, false);
   take_all();
   EXPECT_EQ(queue_.complete_until(7), 7u) << "change 6 was sent with 5";
+  EXPECT_FALSE(queue_.is_next_new()) << "there is none";
+  queue_.add({8, 1}, false);
+  EXPECT_FALSE(queue_.is_next_new());
 }
 
 TEST(StreamBudget, IsDividedAmongViewers) {
@@ -76,18 +82,38 @@ TEST(StreamBudget, IsDividedAmongViewers) {
   StreamBudget::Share one(budget, now);
   {
     StreamBudget::Share other(budget, now);
-    one.note_sent(3500);
-    EXPECT_FALSE(one.may_send(now));
-    EXPECT_TRUE(other.may_send(now));
+    one.note_sent(3500, true);
+    EXPECT_FALSE(one.may_send(now, true)) << "the first bytes are used up";
+    EXPECT_TRUE(other.may_send(now, true));
+    EXPECT_FALSE(other.may_send(now, false)) << "they are not for updates";
     now += std::chrono::milliseconds(900);
-    EXPECT_FALSE(one.may_send(now)) << "500 bytes take a second at half the rate";
+    EXPECT_TRUE(one.may_send(now, false));
+    one.note_sent(950, false);
+    now += std::chrono::milliseconds(900);
+    EXPECT_FALSE(one.may_send(now, false)) << "500 bytes take a second at half the rate";
     now += std::chrono::milliseconds(200);
-    EXPECT_TRUE(one.may_send(now));
+    EXPECT_TRUE(one.may_send(now, false));
   }
   EXPECT_EQ(budget.viewers(), 1);
-  one.note_sent(1050);
-  EXPECT_FALSE(one.may_send(now));
-  EXPECT_GT(one.next_time(), now + std::chrono::milliseconds(900));
+  one.note_sent(1050, false);
+  EXPECT_FALSE(one.may_send(now, false));
+  EXPECT_GT(one.next_time(false), now + std::chrono::milliseconds(900));
+}
+
+TEST(StreamBudget, LetsViewersLookTogether) {
+  StreamBudget budget;
+  std::vector<std::unique_ptr<StreamBudget::Share>> shares;
+  const auto start = StreamBudget::Clock::now();
+  for (int i = 0; i < 200; ++i) shares.push_back(std::make_unique<StreamBudget::Share>(budget, start));
+  std::set<StreamBudget::Clock::time_point> wakes;
+  for (int i = 0; i < 200; ++i) {
+    const auto due = start + i * budget.poll_interval() / 200;
+    const auto wake = budget.joint_time(due);
+    EXPECT_GE(wake, due);
+    EXPECT_LE(wake - due, StreamBudget::Clock::duration(budget.poll_interval()) / 8);
+    wakes.insert(wake);
+  }
+  EXPECT_LE(wakes.size(), 10u);
 }
 
 }  // namespace

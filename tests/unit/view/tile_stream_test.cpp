@@ -69,9 +69,9 @@ TEST_F(TileStreamTest, BeginsWithTheJobAndACoarseImage) {
 
 TEST_F(TileStreamTest, CoarseTilesAreMeansOneAfterAnother) {
   growing_.add_to_all(0, 3);
-  const auto stream = open({.since = 0, .level = 4});
+  const auto stream = open({.since = 0, .level = 3});
   std::vector<SentTile> tiles = tiles_in(read(*stream));
-  ASSERT_EQ(tiles.size(), 18u) << "levels 6 and 4";
+  ASSERT_EQ(tiles.size(), 9u) << "without still coarser ones before";
   for (const SentTile& tile : tiles) {
     const int index = growing_.film.grid().tile_at(tile.rect.x0, tile.rect.y0);
     EXPECT_EQ(tile.samples, 3u);
@@ -105,7 +105,7 @@ TEST_F(TileStreamTest, HasTheHalvesOfTheFilm) {
 TEST_F(TileStreamTest, SendsChangesAsTheyHappen) {
   growing_.add_to_all(0, 1);
   const auto stream = open({.since = 0, .level = 6});
-  EXPECT_EQ(count_tiles(read(*stream)), 9u) << "no coarser level than 6";
+  EXPECT_EQ(count_tiles(read(*stream)), 9u) << "at one level";
   now_ += milliseconds(500);
   EXPECT_EQ(read(*stream).size(), 0u);
   // Many changes of one tile are one update, and no more than ten a second.
@@ -128,9 +128,11 @@ TEST_F(TileStreamTest, ResumesAfterARevision) {
   growing_.add_to_all(0, 1);
   growing_.add(2, 1, 1);
   const auto stream = open({.since = 9});
+  EXPECT_EQ(read(*stream).size(), 1u) << "the job; updates wait for the budget that viewers share";
+  now_ += milliseconds(200);
   const std::vector<Frame> frames = read(*stream);
-  ASSERT_EQ(frames.size(), 3u) << "job, tile, revision";
-  EXPECT_THAT(frames[1].header, HasSubstr(R"("level":0,"revision":10,"samples":2)"));
+  ASSERT_EQ(frames.size(), 2u) << "tile, revision";
+  EXPECT_THAT(frames[0].header, HasSubstr(R"("level":0,"revision":10,"samples":2)"));
 }
 
 TEST_F(TileStreamTest, EndsWithTheJob) {
@@ -203,6 +205,31 @@ TEST_F(TileStreamTest, SharesItsWork) {
   for (int i = 0; i < 20; ++i) streams.push_back(open({}));
   for (const auto& stream : streams) EXPECT_EQ(count_tiles(read(*stream)), 18u);
   EXPECT_EQ(tiles_.encoded_tiles(), 18u);
+}
+
+// What the first image leaves of its allowance is none for updates.
+TEST_F(TileStreamTest, SendsUpdatesWithinTheBudgetHoweverSmallTheFirstImageWas) {
+  StreamBudget small(200'000, 100'000'000);
+  const StreamSettings settings{tiles_, small, [this] { return now_; }};
+  growing_.add_to_all(0, 1);
+  std::vector<std::unique_ptr<TileStream>> streams;
+  for (int i = 0; i < 10; ++i)
+    streams.push_back(std::make_unique<TileStream>(
+        std::shared_ptr<TileSource>(std::shared_ptr<void>(), &growing_.source), StreamQuery{}, settings));
+  const auto send = [&] {
+    std::size_t bytes = 0;
+    for (const auto& stream : streams)
+      for (const Frame& frame : read(*stream)) bytes += frame.payload.size();
+    return bytes;
+  };
+  send();
+  std::size_t bytes = 0;
+  for (std::uint32_t sample = 1; sample <= 40; ++sample) {
+    growing_.add_to_all(sample, 1);
+    now_ += milliseconds(200);
+    bytes += send();
+  }
+  EXPECT_LT(static_cast<double>(bytes), 8 * 300'000) << "of 8 seconds";
 }
 
 // Beyond the first image, all of them together get what one gets.

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// An image of 16,384 x 16,384 pixels: only what is seen is fetched, at the scale at which it is seen. With
+// LARGE_IMAGE=whole it is rendered to its end, which takes a minute, for the figures of docs/scaling.md.
+import assert from 'node:assert/strict';
+import {after, before, test} from 'node:test';
+import {Farm, glowingSphere, until} from './farm.mjs';
+import {launch, openJob} from './page.mjs';
+
+const kSide = 16384;
+const kTilePixels = 64 * 64;
+const kIsWhole = process.env.LARGE_IMAGE === 'whole';
+let farm, browser, id, tiles;
+
+before(async () => {
+  farm = await Farm.start();
+  browser = await launch();
+  const scene = glowingSphere(kSide, kSide);
+  scene.render.spp = 1;
+  id = await farm.submitScene(scene);
+  if (kIsWhole) {
+    await farm.waitForState(id, 'done', 600000);
+  } else {
+    const enough = async () => (await farm.api(`jobs/${id}`)).samples_done > 2000 * kTilePixels;
+    await until('some tiles', enough);
+    await farm.api(`jobs/${id}/pause`, {method: 'POST'});
+    await until('the last leases', async () => (await farm.api(`jobs/${id}`)).active_workers === 0);
+  }
+  tiles = (await farm.api(`jobs/${id}`)).samples_done / kTilePixels;
+});
+after(async () => {
+  await browser?.close();
+  await farm?.close();
+});
+
+// Opens the job in a page that counts the bytes of its tile streams: received().
+async function openCounted() {
+  const start = performance.now();
+  const page = await openJob(browser, farm, id);
+  const session = await page.context().newCDPSession(page);
+  let bytes = 0;
+  const streams = new Set();
+  session.on('Network.requestWillBeSent', ({requestId, request}) => {
+    if (request.url.includes('/tiles?')) streams.add(requestId);
+  });
+  session.on('Network.dataReceived', ({requestId, dataLength}) => {
+    if (streams.has(requestId)) bytes += dataLength;
+  });
+  await session.send('Network.enable');
+  await page.reload();
+  return {page, start, received: () => bytes};
+}
+
+const complete = (page) => page.waitForFunction(() => window.tessera?.isComplete, null, {timeout: 120000});
+
+// Moves the view to a place, and returns what it took to see all of it: {ms, bytes}.
+async function look(counted, view) {
+  const before = counted.received();
+  const start = performance.now();
+  await counted.page.evaluate((to) => window.tessera.setView(to), view);
+  await complete(counted.page);
+  return {ms: Math.round(performance.now() - start), bytes: counted.received() - before};
+}
+
+// The time between frames while the view moves by 20 pixels in each: the median and the longest, in ms.
+const panFrames = (page) =>
+  page.evaluate(async () => {
+    const {viewer} = window.tessera;
+    const frame = () =>
+      new Promise((resolve) => {
+        requestAnimationFrame(resolve);
+      });
+    const times = [];
+    let last = await frame();
+    for (let i = 0; i < 90; ++i) {
+      viewer.viewport.panBy(-20, 0);
+      viewer.viewChanged();
+      const now = await frame();
+      times.push(now - last);
+      last = now;
+    }
+    times.sort((a, b) => a - b);
+    return {median: Math.round(times[45]), longest: Math.round(times[89])};
+  });
+
+test('a large image is fetched at the scale at which it is seen', async (context) => {
+  const counted = await openCounted();
+  const {page} = counted;
+  const opened = performance.now();
+  await page.waitForFunction(() => window.tessera?.viewer.source.store.pages.size > 0);
+  const first = Math.round(performance.now() - opened);
+  await complete(page);
+  const whole = {ms: Math.round(performance.now() - opened), bytes: counted.received()};
+  const {level} = await page.evaluate(() => window.tessera.view);
+  assert.ok(level >= 4, `level ${level}`);
+  const perTile = 6 * (64 >> level) ** 2 + 60;
+  assert.ok(whole.bytes < tiles * perTile + 20000, `${whole.bytes} bytes of ${tiles} tiles`);
+
+  const {width, height} = await page.evaluate(() => window.tessera.readCanvas());
+  const overview = await page.evaluate(() => {
+    const {x, y, zoom} = window.tessera.viewer.viewport;
+    return {x, y, zoom};
+  });
+  const close = await look(counted, {x: kSide / 2, y: height / 2, zoom: 1});
+  // An eighth more on each side, whole tiles, and the coarse ones before.
+  const seen = (width * 1.25 + 128) * (height * 1.25 + 128);
+  assert.ok(close.bytes < 6 * seen * 1.1, `${close.bytes} bytes for ${width} x ${height} pixels`);
+  const moved = await look(counted, {x: kSide / 2 + width / 2, y: height / 2, zoom: 1});
+  assert.ok(moved.bytes < close.bytes, 'half of it was there');
+
+  const frames = await panFrames(page);
+  await complete(page);
+  const back = await look(counted, overview);
+  assert.ok(back.bytes < 20000, `${back.bytes} bytes to see the whole image again`);
+  context.diagnostic(JSON.stringify({tiles, level, first, whole, close, moved, frames, back}));
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+});
