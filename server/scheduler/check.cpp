@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 #include "server/scheduler/check.hpp"
 
@@ -170,7 +171,7 @@ std::optional<std::string> Invariants::check_idle(const Worker& worker) const {
 
 std::optional<std::string> Invariants::check_sums() const {
   std::size_t held_by_workers = 0, held_of_jobs = 0;
-  int active = 0;
+  std::map<Capabilities, int> active;
   Totals counted;
   for (const auto& [number, job] : farm_.jobs_) {
     held_of_jobs += job.lease_count();
@@ -179,7 +180,7 @@ std::optional<std::string> Invariants::check_sums() const {
   for (const auto& [run, ended] : farm_.ended_runs_)
     held_of_jobs += ended.leases.all().size() + ended.audit_leases.all().size();
   for (const auto& [id, worker] : farm_.registry_.all()) {
-    active += worker.takes_leases();
+    if (worker.takes_leases()) ++active[worker.info.capabilities];
     ++counted.workers[static_cast<std::size_t>(worker.activity())];
     held_by_workers += worker.leases.size();
   }
@@ -187,8 +188,8 @@ std::optional<std::string> Invariants::check_sums() const {
     return fmt::format("jobs have {} leases, workers {}, and {} are live", held_of_jobs, held_by_workers,
                        farm_.live_leases_.size());
   }
-  if (active != farm_.registry_.active_count())
-    return fmt::format("{} workers take leases, counted {}", active, farm_.registry_.active_count());
+  if (active != farm_.registry_.active_by_capabilities())
+    return "the workers that take leases are counted wrongly";
   const Totals kept = farm_.totals(farm_.now_);
   if (kept.jobs != counted.jobs || kept.workers != counted.workers)
     return "the totals of jobs by state or workers by activity are wrong";

@@ -8,8 +8,7 @@
 namespace tessera::scheduler {
 
 bool FarmState::can_render(const Worker& worker, const Job& job) {
-  const bool knows_images = worker.info.names_images || job.shape().images == 1;
-  return knows_images && worker.fits(job.determinism_fingerprint());
+  return worker.info.capabilities.suffice_for(job.shape()) && worker.fits(job.determinism_fingerprint());
 }
 
 bool FarmState::awaits_files(const Worker& worker, const Job& job) {
@@ -72,7 +71,9 @@ std::optional<JobNumber> FarmState::chosen(const Worker& worker, bool also_refus
 }
 
 int FarmState::sharers(const Job& job) const {
-  const int active = registry_.active_count();
+  int active = 0;
+  for (const auto& [capabilities, workers] : registry_.active_by_capabilities())
+    if (capabilities.suffice_for(job.shape())) active += workers;
   const std::uint32_t most = job.policy().max_workers;
   return most == 0 || most > static_cast<std::uint32_t>(active) ? active : static_cast<int>(most);
 }

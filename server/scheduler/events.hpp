@@ -23,6 +23,19 @@ namespace tessera::scheduler {
 
 // ---- Workers ----
 
+// What a worker can do beyond the first release of the protocol.
+struct Capabilities {
+  // It says of which image its samples are.
+  bool names_images = true;
+  bool renders_layers = true;
+
+  // Whether that is enough for a job.
+  bool suffice_for(const JobShape& job) const {
+    return (names_images || job.images == 1) && (renders_layers || !job.has_layers);
+  }
+  auto operator<=>(const Capabilities&) const = default;
+};
+
 struct WorkerInfo {
   WorkerId id;
   std::string name;
@@ -40,8 +53,8 @@ struct WorkerInfo {
   bool individual = false;
   // The determinism fingerprint: it is given jobs of no other. Empty: unknown, which fits every job.
   std::string determinism_fingerprint{};
-  // It says of which image its samples are. Others are given no jobs of several images.
-  bool names_images = true;
+  // It is given jobs for which these suffice.
+  Capabilities capabilities{};
   bool operator==(const WorkerInfo&) const = default;
 };
 

@@ -92,6 +92,8 @@ struct JobShape {
   // The target of every tile that has no other.
   std::uint32_t spp = 0;
   int images = 1;
+  // Its samples have more than R, G and B.
+  bool has_layers = false;
   TileTargets targets{};
 
   JobShape() = default;

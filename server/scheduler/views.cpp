@@ -12,6 +12,8 @@ Waiting FarmState::waiting_of(const Job& job) const {
   if (job.holder_count() > 0)
     return job.free() > 0 && !job.may_have_another_holder() ? Waiting::kMaxWorkers : Waiting::kNo;
   if (registry_.active_count() == 0) return Waiting::kNoWorker;
+  if (!registry_.any_active_for(job.shape()))
+    return job.shape().has_layers ? Waiting::kNoLayers : Waiting::kNoImages;
   if (job.free() == 0) return Waiting::kVerification;
   return work_.of_higher_priority(job) > 0 ? Waiting::kHigherPriority : Waiting::kTurn;
 }

@@ -18,6 +18,8 @@ enum class Waiting {
   kNo,
   kPaused,
   kNoWorker,        // no worker takes leases
+  kNoImages,        // no such worker knows jobs of several images
+  kNoLayers,        // no such worker renders layers
   kHigherPriority,  // jobs of higher priority have work
   kTurn,            // it is served next, or after others of its priority
   kVerification,    // it lacks only verification, for which no worker is free

@@ -2,6 +2,7 @@
 #include "server/scheduler/worker_registry.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "server/scheduler/lifecycle.hpp"
 
@@ -78,7 +79,6 @@ Worker& WorkerRegistry::heartbeat(const Synchronize& event, Time now) {
   Worker& worker = entry->second;
   if (is_new) {
     worker.sequence = ++next_sequence_;
-    active_count_ += worker.takes_leases();
   } else {
     alarms_.erase({alarm(worker), event.worker.id});
   }
@@ -89,6 +89,7 @@ Worker& WorkerRegistry::heartbeat(const Synchronize& event, Time now) {
   worker.last_seen = worker.last_synchronized = now;
   worker.reports_draining = event.draining;
   settle_state(worker);
+  count_active(worker);
   worker.wanted_leases = event.wanted_leases;
   worker.waiting = false;
   worker.reported.clear();
@@ -103,9 +104,22 @@ void WorkerRegistry::become(Worker& worker, WorkerState to) {
   if (worker.state_ == to) return;
   if (!may_become(worker.state_, to))
     invalid_transition("worker", worker_state_name(worker.state_), worker_state_name(to));
-  active_count_ -= worker.takes_leases();
   worker.state_ = to;
-  active_count_ += worker.takes_leases();
+  count_active(worker);
+}
+
+void WorkerRegistry::count_active(Worker& worker) {
+  const auto as = worker.takes_leases() ? std::optional(worker.info.capabilities) : std::nullopt;
+  const auto before = std::exchange(worker.counted_, as);
+  if (before == as) return;
+  active_count_ += int{as.has_value()} - int{before.has_value()};
+  if (as) ++active_[*as];
+  if (before && --active_[*before] == 0) active_.erase(*before);
+}
+
+bool WorkerRegistry::any_active_for(const JobShape& job) const {
+  return std::any_of(active_.begin(), active_.end(),
+                     [&](const auto& entry) { return entry.first.suffice_for(job); });
 }
 
 void WorkerRegistry::settle_state(Worker& worker) {

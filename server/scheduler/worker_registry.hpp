@@ -160,6 +160,8 @@ struct Worker {
 
   WorkerState state_ = WorkerState::kPresent;
   std::optional<Presence> presence_;
+  // As what it is counted among the workers that take leases.
+  std::optional<Capabilities> counted_;
   // As what it is counted among all workers.
   std::optional<WorkerActivity> activity_;
 };
@@ -199,6 +201,9 @@ class WorkerRegistry {
   const std::array<std::uint64_t, kWorkerActivities>& activities() const { return activities_; }
   // The number of workers that take leases.
   int active_count() const { return active_count_; }
+  // The same by capabilities, without empty entries; and whether those of any of them suffice for a job.
+  const std::map<Capabilities, int>& active_by_capabilities() const { return active_; }
+  bool any_active_for(const JobShape& job) const;
   // The available workers by identity, and their number by name and by WorkerInfo::origin. Without empty
   // entries.
   const std::map<Identity, std::set<WorkerId>>& available_by_identity() const { return available_; }
@@ -229,6 +234,7 @@ class WorkerRegistry {
   // The state of a worker that is not silent.
   void settle_state(Worker& worker);
   void count_presence(Worker& worker);
+  void count_active(Worker& worker);
   Time alarm(const Worker& worker) const;
 
   const Duration lease_duration_;
@@ -237,6 +243,7 @@ class WorkerRegistry {
   // alarm() of every worker.
   std::set<std::pair<Time, WorkerId>> alarms_;
   int active_count_ = 0;
+  std::map<Capabilities, int> active_;
   std::array<std::uint64_t, kWorkerActivities> activities_{};
   std::map<Identity, std::set<WorkerId>> available_;
   std::map<std::string, int> names_, origins_;

@@ -78,6 +78,7 @@ class Coordinator {
   double tile_pixels(const scheduler::JobId& job, int tile) const {
     return shapes_.at(job).grid().rect(tile).pixel_count();
   }
+  bool has_layers(const scheduler::JobId& job) const { return shapes_.at(job).has_layers; }
   std::string describe() const { return fingerprint(*scheduler_, clock()); }
   // Jobs that failed without a user's command, with the messages.
   const std::map<scheduler::JobId, std::string>& failures() const { return failures_; }
@@ -121,6 +122,7 @@ class Coordinator {
   void check_holders(const scheduler::Event& event, const scheduler::Actions& actions);
   bool must_drain_anew(const scheduler::WorkerId& worker) const;
   void drain(const scheduler::WorkerId& worker);
+  void check_told(const scheduler::WorkerId& worker, std::uint64_t call);
   void check_drained(const scheduler::WorkerId& worker, const scheduler::Reply& reply, bool has_new,
                      bool is_answer);
   bool is_whole_on_disk(const scheduler::JobView& job) const;

@@ -12,6 +12,8 @@ using namespace scheduler;
 
 namespace {
 
+constexpr double kTellWithinSeconds = 1;
+
 template <typename View>
 const View* any_of(const std::vector<View>& views, Random& random) {
   if (views.empty()) return nullptr;
@@ -36,6 +38,23 @@ void Coordinator::drain(const WorkerId& worker) {
   Drained& drained = drains_.at(worker);
   handle(Drain{worker, true, drained.stop});
   drained.is_known = true;
+  if (const auto waiting = parked_.find(worker); drained.stop && waiting != parked_.end())
+    world_.after(seconds(kTellWithinSeconds), [=, this, run = run_, call = waiting->second.call] {
+      if (run == run_) check_told(worker, call);
+    });
+}
+
+// A worker that waits in a call learns at once that it must stop, but for one that seems to be lost.
+void Coordinator::check_told(const WorkerId& worker, std::uint64_t call) {
+  const auto drained = drains_.find(worker);
+  if (!up() || world_.now() < stalled_until_ || drained == drains_.end() || !drained->second.stop) return;
+  const std::vector<WorkerView> known = workers();
+  const bool is_heard = std::any_of(known.begin(), known.end(), [&](const WorkerView& view) {
+    return view.info.id == worker && !view.silent;
+  });
+  const auto waiting = parked_.find(worker);
+  if (is_heard && waiting != parked_.end() && waiting->second.call == call)
+    world_.fail(fmt::format("worker {} must stop, and waits", worker.value));
 }
 
 void Coordinator::undo_drains() {

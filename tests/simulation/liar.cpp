@@ -102,6 +102,8 @@ void Liar::synchronize(int jobs, const std::string& victim) {
   const std::string name = random.chance(0.3) ? victim.substr(victim.find('.') + 1) : kLiar;
   Synchronize call{
       {id, name, "", random.integer(1, 4096), kLiar}, {}, random.integer(-1, 9), random.chance(0.2)};
+  // Else a victim would be sent what the liar was given in its name, and cannot render it.
+  call.worker.capabilities.renders_layers = id.value == kLiar;
   for (int i = random.chance(0.1) ? 100 : random.integer(0, 4); i > 0; --i) {
     call.held.push_back({any_lease(), any_job(jobs), any_items()});
     if (random.chance(0.3)) call.held.push_back(call.held.back());

@@ -56,6 +56,10 @@ void RoughFarm::add_machine(int number) {
   machines_.push_back(std::make_unique<WorkerMachine>(world_, coordinator_, host, speed, name));
   const bool may_be_slow = number >= (audited_.any() ? 2 : 1);
   if (!may_be_slow || !make_slow(*machines_.back())) names_.insert(name);
+  if (may_be_slow && layers_.chance(0.2)) {
+    world_.note(host + " renders no layers");
+    machines_.back()->lack_layers();
+  }
   world_.after(seconds(random.real(0, 5)), [machine = machines_.back().get()] { machine->start(); });
 }
 

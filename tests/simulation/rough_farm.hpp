@@ -50,6 +50,7 @@ class RoughFarm {
         slow_(seed ^ 0x510),
         images_(seed ^ 0x1a6e5),
         principals_(seed ^ 0x9a1c),
+        layers_(seed ^ 0x1a7e5),
         audited_(seed),
         coordinator_(world_, with_little_work_per_event(seed, audited_.options)),
         liar_(world_, coordinator_),
@@ -104,9 +105,9 @@ class RoughFarm {
   double elapsed() const { return std::chrono::duration<double>(world_.now().time_since_epoch()).count(); }
 
   World world_;
-  // Fetching and endless samples use a random generator of their own as well; and images and targets; and
-  // principals.
-  Random slow_, images_, principals_;
+  // Fetching and endless samples use a random generator of their own as well; and images and targets;
+  // principals; and layers.
+  Random slow_, images_, principals_, layers_;
   AuditedFarm audited_;
   Coordinator coordinator_;
   Liar liar_;

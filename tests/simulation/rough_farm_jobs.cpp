@@ -37,6 +37,10 @@ void RoughFarm::submit() {
   } else if (enough_can_die && slow_.chance(0.05) && !audited_.any()) {
     make_endless(id, shape);
   }
+  // A job that is to fail needs enough machines that may have it.
+  const bool is_faulty = deadly_jobs_.contains(id) || endless_jobs_.contains(id) ||
+                         unbuildable_jobs_.contains(id) || doubtful_jobs_.contains(id);
+  shape.has_layers = layers_.chance(0.4) && !is_faulty;
   if (!coordinator_.command(SubmitJob{id, shape, random.integer(0, 1), any_limit()}))
     world_.fail("a job was refused");
 }

@@ -68,7 +68,15 @@ void WorkerMachine::start() {
 }
 
 WorkerInfo WorkerMachine::info() const {
-  return {{id_}, name_, "0.1.0", 1, host_, principal_, principal_, !principal_.empty()};
+  return {.id = {id_},
+          .name = name_,
+          .version = "0.1.0",
+          .threads = 1,
+          .machine = host_,
+          .origin = principal_,
+          .principal = principal_,
+          .individual = !principal_.empty(),
+          .capabilities = {.names_images = true, .renders_layers = renders_layers_}};
 }
 
 void WorkerMachine::crash() {
@@ -176,6 +184,8 @@ void WorkerMachine::stop_as_told() {
 void WorkerMachine::take_new(const Reply& reply) {
   for (const LeaseDescription& lease : reply.leases) {
     if (find(lease.id) != nullptr || just_finished_.contains(lease.id)) continue;
+    if (!renders_layers_ && coordinator_.has_layers(lease.job))
+      world_.fail(fmt::format("{} was given layers, which it does not render", host_));
     held_.push_back({lease.id, lease.job, in_pieces(lease.items), {}, {}, 0, 0, false, lease.token});
     just_given_.insert(lease.id);
   }

@@ -54,6 +54,8 @@ class WorkerMachine {
   void lie(double share) { lies_ = share; }
   // From now on it calls with the individual credentials of this principal.
   void belong_to(const std::string& principal) { principal_ = principal; }
+  // It says that it renders no layers, and must be given none.
+  void lack_layers() { renders_layers_ = false; }
   // From now on it delivers many ranges in two parts.
   void split_ranges() { splits_ = true; }
   // SIGTERM: delivers its results, including a part of the current range, and stops.
@@ -139,6 +141,7 @@ class WorkerMachine {
   double lies_ = 0;
   std::string principal_;  // empty without credentials
   bool splits_ = false;
+  bool renders_layers_ = true;
   std::set<scheduler::JobId> unbuildable_;
   double longest_lease_seconds_ = 0;
   double slowness_ = 1;

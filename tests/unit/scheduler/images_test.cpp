@@ -48,12 +48,56 @@ TEST_F(Images, SurviveARestart) {
 TEST_F(Images, AreNotLeasedToWorkersThatCannotNameThem) {
   submit("job", two_images(1));
   Synchronize call{{{"old"}, "old", "0.1.0", 1, "old"}};
-  call.worker.names_images = false;
+  call.worker.capabilities.names_images = false;
   EXPECT_THAT(handle(call).reply->leases, testing::IsEmpty());
   submit("of one image", {core::kTilePx, core::kTilePx, 1});
   const Reply reply = *handle(call).reply;
   ASSERT_EQ(reply.leases.size(), 1u);
   EXPECT_EQ(reply.leases[0].job.value, "of one image");
+}
+
+class Layers : public FarmOfSmallLeases {
+ protected:
+  static Synchronize call_of(const std::string& worker, bool renders_layers) {
+    Synchronize call{{{worker}, worker, "0.1.0", 1, worker}};
+    call.worker.capabilities.renders_layers = renders_layers;
+    return call;
+  }
+  void submit_with_layers(const std::string& id) {
+    JobShape shape{core::kTilePx, core::kTilePx, 1};
+    shape.has_layers = true;
+    submit(id, shape);
+  }
+};
+
+TEST_F(Layers, AreLeasedOnlyToWorkersThatRenderThem) {
+  submit_with_layers("job");
+  EXPECT_THAT(handle(call_of("old", false)).reply->leases, testing::IsEmpty());
+  EXPECT_EQ(handle(call_of("new", true)).reply->leases.size(), 1u);
+}
+
+TEST_F(Layers, WaitForAWorkerThatRendersThem) {
+  submit_with_layers("job");
+  EXPECT_EQ(job("job").waiting, Waiting::kNoWorker);
+  handle(call_of("old", false));
+  EXPECT_EQ(job("job").waiting, Waiting::kNoLayers);
+  submit("without", {core::kTilePx, core::kTilePx, 1});
+  EXPECT_EQ(job("without").waiting, Waiting::kTurn);
+  handle(call_of("old", true));  // updated in place
+  EXPECT_EQ(job("job").waiting, Waiting::kNo);
+  EXPECT_EQ(job("job").active_workers, 1);
+  Synchronize leaves = call_of("old", true);
+  leaves.draining = true;
+  handle(leaves);
+  EXPECT_EQ(job("job").waiting, Waiting::kNoWorker);
+}
+
+TEST_F(Images, WaitForAWorkerThatNamesThem) {
+  submit("job", two_images(1));
+  Synchronize call{{{"old"}, "old", "0.1.0", 1, "old"}};
+  call.worker.capabilities.names_images = false;
+  handle(call);
+  EXPECT_EQ(job("job").waiting, Waiting::kNoImages);
 }
 
 TEST_F(Images, AreNamedInMessagesAboutTheirTiles) {

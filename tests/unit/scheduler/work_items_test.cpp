@@ -106,7 +106,8 @@ TEST(JobShape, AgreesWithATableOfTargetsThroughRandomRaises) {
           if (table[static_cast<std::size_t>(tile)] > shape.target(tile)) return true;
         return all > shape.spp;
       }());
-      ASSERT_EQ(before + shape.raise(all, tiles), shape.pixel_samples());
+      const std::uint64_t added = shape.raise(all, tiles);
+      ASSERT_EQ(before + added, shape.pixel_samples());
       std::uint64_t samples = 0;
       for (int tile = 0; tile < 30; ++tile) {
         ASSERT_EQ(shape.target(tile), table[static_cast<std::size_t>(tile)]) << "tile " << tile;
