@@ -269,22 +269,26 @@ v1::FilmLayout to_proto(const core::FilmLayout& layout) {
   return message;
 }
 
-void add_layers(core::LayerSet layers, google::protobuf::RepeatedPtrField<std::string>& names) {
-  for (const std::string_view name : core::layer_names(layers)) names.Add(std::string(name));
+void add_layers(const core::LayerSet& layers, google::protobuf::RepeatedPtrField<std::string>& names) {
+  for (std::string& name : core::layer_names(layers)) names.Add(std::move(name));
 }
 
 core::Result<core::LayerSet> layers_from(const google::protobuf::RepeatedPtrField<std::string>& names) {
-  if (static_cast<std::size_t>(names.size()) > core::kLayerCount)
+  constexpr std::size_t kMost = core::kLayerCount + 1 + core::kMaxLightGroups;
+  if (static_cast<std::size_t>(names.size()) > kMost)
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("layers: there are {}, got {}", core::kLayerCount, names.size()));
+                fmt::format("layers: there are at most {}, got {}", kMost, names.size()));
   core::LayerSet layers;
   for (const std::string& name : names) {
     const auto named = core::parse_layers(name);
-    if (!named || !std::has_single_bit(named->bits))
+    if (!named || core::layer_names(*named) != std::vector{name})
       return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("layers: must be of {}; got '{}'", fmt::join(core::layer_names(), ", "),
-                              core::printable(name)));
+                  fmt::format("layers: must be of {}, or group.NAME; got '{}'",
+                              fmt::join(core::layer_names(), ", "), core::printable(name)));
     layers.bits |= named->bits;
+    layers.light_groups |= named->light_groups;
+    for (const std::string& group : named->groups)
+      if (!layers.has_group(group)) layers.groups.push_back(group);
   }
   return layers;
 }

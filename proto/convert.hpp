@@ -45,7 +45,7 @@ v1::ChannelEncoding to_proto(core::ChannelEncoding encoding);
 v1::FilmLayout to_proto(const core::FilmLayout& layout);
 // The names of layers. INVALID_ARGUMENT names `layers`: one is unknown, or there are more than there are
 // layers.
-void add_layers(core::LayerSet layers, google::protobuf::RepeatedPtrField<std::string>& names);
+void add_layers(const core::LayerSet& layers, google::protobuf::RepeatedPtrField<std::string>& names);
 core::Result<core::LayerSet> layers_from(const google::protobuf::RepeatedPtrField<std::string>& names);
 
 v1::PixelRect to_proto(const core::PixelRect& rect);

@@ -268,6 +268,7 @@ Json to_json(const v1::Worker& worker) {
           {"samples_accepted", worker.samples_accepted()},
           {"cache", cache_json(worker)},
           {"last_seen_at", time_json(worker.last_seen_at(), worker.has_last_seen_at())},
+          {"renders_layers", worker.renders_layers()},
           {"rejected_results", worker.rejected_results()},
           {"audited_ranges", worker.audited_ranges()},
           {"disproved_ranges", worker.disproved_ranges()},

@@ -157,22 +157,25 @@ void reload_tokens(const server::Options& options, rpc::Server& server) {
 }
 
 // As for tokens.
-void reload_certificates(const server::Options& options, rpc::Server& server) {
+void reload_certificates(const server::Options& options, rpc::Server& server, http_api::Api* page) {
   if (server.certificates() == nullptr) return;
-  const core::Status done = server.certificates()->reload();
-  if (!done)
+  if (const core::Status done = server.certificates()->reload(); !done)
     return spdlog::error("the certificates stay as they were, since the new ones cannot be used: {}",
                          done.error().message);
+  if (page != nullptr)
+    if (const core::Status done = page->reload_certificates(); !done)
+      return spdlog::error("the page keeps its certificates, since the new ones cannot be used: {}",
+                           done.error().message);
   spdlog::info("has read the certificate in {} again", options.security.certificate);
 }
 
-void wait_for_stop(const server::Options& options, rpc::Server& server, const sigset_t& signals,
-                   common::ServiceReport& report) {
+void wait_for_stop(const server::Options& options, rpc::Server& server, http_api::Api* page,
+                   const sigset_t& signals, common::ServiceReport& report) {
   int signal = 0;
   while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) {
     report.reloading();
     reload_tokens(options, server);
-    reload_certificates(options, server);
+    reload_certificates(options, server, page);
     report.reloaded();
   }
   spdlog::info("stopping on signal {}", signal);
@@ -242,7 +245,7 @@ core::Status run(const server::Options& options, std::vector<base::Fd> sockets, 
   std::cout << "tessera-coordinator: listening on " << (*server)->address() << std::endl;
   if (*page) std::cout << "tessera-coordinator: the page is at " << (*page)->url() << std::endl;
   common::ServiceReport report([&] { return farm::summary_of(farm::totals_of((*coordinator)->farm())); });
-  wait_for_stop(options, **server, signals, report);
+  wait_for_stop(options, **server, page->get(), signals, report);
   cluster->reset();
   metrics->reset();
   page->reset();

@@ -82,15 +82,16 @@ void RenderLoop::give_back(const Piece& piece, const core::Error& why) {
 
 core::Status RenderLoop::try_to_render(const Piece& piece, const std::stop_token& stop) {
   const std::int32_t frame = piece.job->frame_of(piece.item.image);
-  const auto scene = scenes_.get(piece.job->files, frame, stop);
-  if (!scene && scene.error().code == core::ErrorCode::kResourceExhausted) return core::fail(scene.error());
-  if (!scene) {
-    give_back(piece, scene.error());
+  const auto plans = scenes_.get(piece.job->files, frame, stop);
+  if (!plans && plans.error().code == core::ErrorCode::kResourceExhausted) return core::fail(plans.error());
+  if (!plans) {
+    give_back(piece, plans.error());
     return {};
   }
   lease_tracker_.begins(piece);
   const auto start = std::chrono::steady_clock::now();
-  core::FilmTile tile = render_(**scene, piece.job->settings, piece.item.rect, piece.item.range, threads_);
+  const core::RenderPlan plan = (*plans)->get(piece.job->settings, threads_);
+  core::FilmTile tile = render_(plan, piece.item.rect, piece.item.range, threads_);
   const auto took = std::chrono::steady_clock::now() - start;
   const std::uint64_t samples = piece.item.rect.pixel_count() * piece.item.range.count();
   metrics_.samples_rendered += samples;

@@ -17,8 +17,8 @@ namespace tessera::worker {
 class RenderLoop {
  public:
   // The signature of core::render.
-  using Render = std::function<core::FilmTile(const core::Scene&, const core::RenderSettings&,
-                                              core::PixelRect, core::SampleRange, int threads)>;
+  using Render =
+      std::function<core::FilmTile(const core::RenderPlan&, core::PixelRect, core::SampleRange, int threads)>;
 
   RenderLoop(int threads, LeaseTracker& lease_tracker, Metrics& metrics, LoadScene load,
              std::optional<core::SceneStore> store = {}, Render render = core::render);

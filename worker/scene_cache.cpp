@@ -17,14 +17,13 @@ constexpr auto kMarkPeriod = std::chrono::minutes(10);
 
 }  // namespace
 
-core::Result<std::shared_ptr<const core::Scene>> SceneCache::get(const SceneFiles& files, std::int32_t frame,
-                                                                 const std::stop_token& stop) {
+core::Result<core::RenderPlans*> SceneCache::get(const SceneFiles& files, std::int32_t frame,
+                                                 const std::stop_token& stop) {
   const auto entry = find_or_build(files, stop);
   if (!entry) return core::fail(entry.error());
-  core::Scene& scene = *(*entry)->scene;
-  if (const core::Status shown = scene.set_frame(frame, threads_); !shown)
+  if (const core::Status shown = (*entry)->scene.set_frame(frame, threads_); !shown)
     return core::fail(shown.error().within(files.scene_path));
-  return (*entry)->scene;
+  return &(*entry)->plans;
 }
 
 core::Result<SceneCache::Entry*> SceneCache::find_or_build(const SceneFiles& files,
@@ -43,12 +42,11 @@ core::Result<SceneCache::Entry*> SceneCache::find_or_build(const SceneFiles& fil
   Metrics::add(metrics_.scene_load_ns, Clock::now() - start);
   ++(built ? metrics_.scenes_loaded : metrics_.scenes_failed);
   if (!built) return core::fail(built.error());
-  auto scene = std::make_shared<core::Scene>(std::move(*built));
+  Entry& entry = recent_.emplace_front(files.key, std::move(*built));
   const std::chrono::duration<double> took = Clock::now() - start;
   spdlog::info("made scene {} ({} primitives) ready in {:.2f} s", files.scene_path,
-               scene->primitives().count(), took.count());
-  recent_.push_front({files.key, std::move(scene), Clock::now()});
-  return &recent_.front();
+               entry.scene.primitives().count(), took.count());
+  return &entry;
 }
 
 bool SceneCache::has_others(const SceneFiles& files) const {

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cache of the scenes rendered last. For the render thread only: building uses its threads.
+// A cache of the scenes rendered last, with their plans. For the render thread only: building uses its
+// threads.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <list>
-#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <utility>
 
 #include "core/base/error.hpp"
+#include "core/integrators/render_plan.hpp"
 #include "core/scene/cache/scene_store.hpp"
 #include "core/scene/scene.hpp"
 #include "worker/job.hpp"
@@ -36,11 +37,11 @@ class SceneCache {
         load_(std::move(load)),
         store_(std::move(store)) {}
 
-  // The scene at a frame. Loads and builds it if it is not in memory, and marks its files as used. Frames of
-  // a scene share its memory: a scene that was returned earlier shows this frame now, too. Errors are those
-  // of loading, of Scene::build and of Scene::set_frame.
-  core::Result<std::shared_ptr<const core::Scene>> get(const SceneFiles& files, std::int32_t frame,
-                                                       const std::stop_token& stop = {});
+  // The plans of the scene at a frame, valid until the next call. Loads and builds the scene if it is not in
+  // memory, and marks its files as used. Errors are those of loading, of Scene::build and of
+  // Scene::set_frame.
+  core::Result<core::RenderPlans*> get(const SceneFiles& files, std::int32_t frame,
+                                       const std::stop_token& stop = {});
   // Whether scenes of other bundles are in memory.
   bool has_others(const SceneFiles& files) const;
   // Removes all scenes from memory.
@@ -49,9 +50,12 @@ class SceneCache {
  private:
   using Clock = std::chrono::steady_clock;
   struct Entry {
-    std::string key;
-    std::shared_ptr<core::Scene> scene;
-    Clock::time_point files_marked;
+    Entry(std::string of_key, core::Scene built) : key(std::move(of_key)), scene(std::move(built)) {}
+
+    const std::string key;
+    core::Scene scene;
+    core::RenderPlans plans{scene};
+    Clock::time_point files_marked = Clock::now();
   };
 
   // The entry of the scene, which is then the first.

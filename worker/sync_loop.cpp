@@ -75,6 +75,7 @@ core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_toke
   request.set_threads(identity_.threads);
   request.set_worker_key(identity_.worker_key);
   request.set_names_images(true);
+  request.set_renders_layers(true);
   lease_tracker_.report(request);
   complete_(request);
   metrics_.leases_held = static_cast<std::uint64_t>(request.held_size());

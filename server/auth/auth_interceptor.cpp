@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "proto/peer_address.hpp"
 #include "proto/status.hpp"
 #include "server/auth/credentials.hpp"
-#include "server/auth/peer.hpp"
 
 namespace tessera::auth {
 
@@ -69,7 +69,7 @@ std::optional<Admission> AuthInterceptor::admit(const CallerShown& shown, const 
 std::optional<Admission> AuthInterceptor::admit(grpc::CallbackServerContext& context, const Method& method,
                                                 Rejection& rejection) {
   const std::string connection = context.peer();
-  auto admission = admit({shown_by(context), client_key(connection), connection}, method, rejection);
+  auto admission = admit({shown_by(context), proto::address_key(connection), connection}, method, rejection);
   if (rejection.temporary)
     rejection.status = proto::to_grpc(core::Status(core::fail(*rejection.temporary)), context);
   return admission;

@@ -20,7 +20,7 @@ void Rejections::log(Take take) {
 }
 
 bool Rejections::note(const std::string& machine, const std::string& method, const grpc::Status& why) {
-  log([&](base::RateLimitedLog& log) {
+  log([&](common::RateLimitedLog& log) {
     return log.note(
         {fmt::format("rejected {} of {}: {}", method, machine, why.error_message()), {.peer = machine}},
         std::chrono::steady_clock::now());
@@ -29,7 +29,7 @@ bool Rejections::note(const std::string& machine, const std::string& method, con
 }
 
 void Rejections::flush() {
-  log([](base::RateLimitedLog& log) { return log.take_due(std::chrono::steady_clock::now()); });
+  log([](common::RateLimitedLog& log) { return log.take_due(std::chrono::steady_clock::now()); });
 }
 
 }  // namespace tessera::auth

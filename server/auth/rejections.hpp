@@ -8,8 +8,8 @@
 #include <string>
 
 #include "core/base/mutex.hpp"
+#include "core/common/rate_limited_log.hpp"
 #include "server/auth/call_rate.hpp"
-#include "server/base/rate_limited_log.hpp"
 
 namespace tessera::auth {
 
@@ -32,7 +32,7 @@ class Rejections {
 
   CallRate rate_;
   core::Mutex mutex_;
-  base::RateLimitedLog log_ TESSERA_GUARDED_BY(mutex_);
+  common::RateLimitedLog log_ TESSERA_GUARDED_BY(mutex_);
 };
 
 }  // namespace tessera::auth

@@ -47,10 +47,6 @@ Advice advice_for(int error) {
 
 }  // namespace
 
-Fd::~Fd() {
-  if (fd_ >= 0) ::close(fd_);
-}
-
 core::Error errno_error(std::string_view doing, const std::filesystem::path& path) {
   const Advice advice = advice_for(errno);
   return {advice.code, fmt::format("{} {}: {}", doing, path.string(), advice.sentence)};

@@ -6,32 +6,13 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include "core/base/error.hpp"
+#include "core/base/open_file.hpp"
 
 namespace tessera::base {
 
-// Owns a file descriptor; closes it when destroyed.
-class Fd {
- public:
-  Fd() = default;
-  explicit Fd(int fd) : fd_(fd) {}
-  Fd(Fd&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Fd& operator=(Fd&& other) noexcept {
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  ~Fd();
-
-  int get() const { return fd_; }
-  // Releases the ownership.
-  int release() { return std::exchange(fd_, -1); }
-  explicit operator bool() const { return fd_ >= 0; }
-
- private:
-  int fd_ = -1;
-};
+using Fd = core::OpenFile;
 
 // The error for a failed system call on `path`, from errno: "writing /var/lib/x: the disk is full: free some
 // space".

@@ -47,7 +47,7 @@ scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request, const farm:
           principal.name,
           principal.individual,
           request.determinism_fingerprint(),
-          request.names_images()};
+          {.names_images = request.names_images(), .renders_layers = request.renders_layers()}};
 }
 
 // Bounds on what is examined under the lock of a worker's request. A worker can hold kMaxLeasesPerWorker

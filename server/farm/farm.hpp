@@ -18,8 +18,8 @@
 
 #include "core/base/determinism_fingerprint.hpp"
 #include "core/base/mutex.hpp"
+#include "core/common/rate_limited_log.hpp"
 #include "server/base/duration_histogram.hpp"
-#include "server/base/rate_limited_log.hpp"
 #include "server/events/event_log.hpp"
 #include "server/farm/drains.hpp"
 #include "server/farm/job_record.hpp"
@@ -97,7 +97,7 @@ struct State {
   Drains drains;
   Troubles troubles;
   std::map<std::string, CacheUse> caches;  // by worker; of those that report it
-  base::RateLimitedLog rejected_log, troubles_log;
+  common::RateLimitedLog rejected_log, troubles_log;
   std::set<std::string> to_reopen;  // jobs
   // Workers of which stored jobs may have samples: these are to be found and reopened.
   std::vector<scheduler::Producer> to_search;

@@ -127,7 +127,10 @@ scheduler::JobGrid grid_of(const v1::Job& spec) {
 }
 
 scheduler::JobShape shape_of(const v1::Job& spec, std::uint32_t spp) {
-  return {proto::window_of(spec.settings()), spp, static_cast<int>(std::max(spec.image_count(), 1U))};
+  scheduler::JobShape shape{proto::window_of(spec.settings()), spp,
+                            static_cast<int>(std::max(spec.image_count(), 1U))};
+  shape.has_layers = !spec.settings().layers().empty();
+  return shape;
 }
 
 scheduler::JobShape shape_of(const v1::Job& spec, const store::JobRow& row) {
@@ -240,7 +243,7 @@ store::JobRow to_row(const JobSnapshot& job) {
 void write_spec(const v1::Job& spec, store::JobRow& row) {
   row.id = spec.id();
   row.spec = encode_spec(spec);
-  row.bundle = encode_bundle(spec.bundle());
+  row.bundle = encode_bundle(spec);
   row.owner = spec.owner();
   row.created_ms = ms_from_timestamp(spec.created_at());
 }
@@ -248,7 +251,7 @@ void write_spec(const v1::Job& spec, store::JobRow& row) {
 // Rows of earlier releases have the bundle in their spec.
 bool read_spec(const store::JobRow& row, v1::Job& spec) {
   return decode_spec(row.spec, spec) && spec.id() == row.id &&
-         (row.bundle.empty() || decode_bundle(row.bundle, *spec.mutable_bundle()));
+         (row.bundle.empty() || decode_bundle(row.bundle, spec));
 }
 
 core::Error damaged_job(const std::string& id) {

@@ -41,13 +41,13 @@ void StateLock::log(spdlog::level::level_enum level, std::string line, common::L
   later([level, line = common::LogLine{std::move(line), std::move(fields)}] { common::log(level, line); });
 }
 
-void StateLock::log_some(base::RateLimitedLog& some, common::LogLine line) {
+void StateLock::log_some(common::RateLimitedLog& some, common::LogLine line) {
   if (auto due = some.note(std::move(line), now_))
     log(spdlog::level::warn, std::move(due->message), std::move(due->fields));
 }
 
 void StateLock::log_suppressed() {
-  for (base::RateLimitedLog* some : {&state_.rejected_log, &state_.troubles_log})
+  for (common::RateLimitedLog* some : {&state_.rejected_log, &state_.troubles_log})
     if (auto due = some->take_due(now_))
       log(spdlog::level::warn, std::move(due->message), std::move(due->fields));
 }

@@ -74,7 +74,7 @@ class TESSERA_THREAD_ANNOTATION(scoped_lockable) StateLock {
   void apply(const scheduler::Actions& actions);
 
  private:
-  void log_some(base::RateLimitedLog& log, common::LogLine line);
+  void log_some(common::RateLimitedLog& log, common::LogLine line);
   void note_change(const scheduler::JobChange& change);
   void append_events(const scheduler::Actions& actions);
   void follow_audits(const scheduler::Actions& actions);

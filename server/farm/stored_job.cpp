@@ -138,12 +138,6 @@ std::string encode_spec(const v1::Job& job) {
   stored.set_max_workers(job.max_workers());
   stored.mutable_labels()->insert(job.labels().begin(), job.labels().end());
   stored.mutable_warnings()->Add(job.warnings().begin(), job.warnings().end());
-  *stored.mutable_scene_digests() = job.scene_digests();
-  for (const v1::TextAttribute& each : job.attributes()) {
-    stored::v1::Attribute& attribute = *stored.add_attributes();
-    attribute.set_name(each.name());
-    attribute.set_value(each.value());
-  }
   add_images(job, stored);
   std::string bytes(1, kMark);
   stored.AppendToString(&bytes);
@@ -167,12 +161,6 @@ bool decode_spec(const std::string& bytes, v1::Job& job) {
   job.set_max_workers(stored.max_workers());
   job.mutable_labels()->insert(stored.labels().begin(), stored.labels().end());
   job.mutable_warnings()->Add(stored.warnings().begin(), stored.warnings().end());
-  *job.mutable_scene_digests() = stored.scene_digests();
-  for (const stored::v1::Attribute& each : stored.attributes()) {
-    v1::TextAttribute& attribute = *job.add_attributes();
-    attribute.set_name(each.name());
-    attribute.set_value(each.value());
-  }
   return true;
 }
 
@@ -264,27 +252,40 @@ std::optional<scheduler::TileTargets> decode_targets(const std::string& bytes) {
   return scheduler::TileTargets(std::move(targets));
 }
 
-std::string encode_bundle(const v1::Bundle& bundle) {
+std::string encode_bundle(const v1::Job& job) {
   stored::v1::Bundle stored;
-  stored.set_scene_path(bundle.scene_path());
-  for (const v1::Bundle::Asset& asset : bundle.assets()) {
+  stored.set_scene_path(job.bundle().scene_path());
+  for (const v1::Bundle::Asset& asset : job.bundle().assets()) {
     stored::v1::Bundle::Asset& added = *stored.add_assets();
     added.set_path(asset.path());
     added.set_sha256(asset.digest().sha256());
     added.set_size_bytes(asset.digest().size_bytes());
   }
+  *stored.mutable_scene_digests() = job.scene_digests();
+  for (const v1::TextAttribute& each : job.attributes()) {
+    stored::v1::Attribute& attribute = *stored.add_attributes();
+    attribute.set_name(each.name());
+    attribute.set_value(each.value());
+  }
   return stored.SerializeAsString();
 }
 
-bool decode_bundle(const std::string& bytes, v1::Bundle& bundle) {
+bool decode_bundle(const std::string& bytes, v1::Job& job) {
   stored::v1::Bundle stored;
   if (!stored.ParseFromString(bytes)) return false;
+  v1::Bundle& bundle = *job.mutable_bundle();
   bundle.set_scene_path(stored.scene_path());
   for (const stored::v1::Bundle::Asset& asset : stored.assets()) {
     v1::Bundle::Asset& added = *bundle.add_assets();
     added.set_path(asset.path());
     added.mutable_digest()->set_sha256(asset.sha256());
     added.mutable_digest()->set_size_bytes(asset.size_bytes());
+  }
+  *job.mutable_scene_digests() = stored.scene_digests();
+  for (const stored::v1::Attribute& each : stored.attributes()) {
+    v1::TextAttribute& attribute = *job.add_attributes();
+    attribute.set_name(each.name());
+    attribute.set_value(each.value());
   }
   return true;
 }

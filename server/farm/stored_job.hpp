@@ -12,7 +12,7 @@
 
 namespace tessera::farm {
 
-// Without the bundle, which has a column of its own.
+// Without what encode_bundle() has, in a column of its own.
 std::string encode_spec(const v1::Job& job);
 // Whether the bytes could be read. Sets everything that encode_spec() has written; those of earlier releases
 // also have the bundle.
@@ -31,7 +31,8 @@ std::string encode_targets(const scheduler::TileTargets& targets);
 // Empty if the bytes cannot be read.
 std::optional<scheduler::TileTargets> decode_targets(const std::string& bytes);
 
-std::string encode_bundle(const v1::Bundle& bundle);
-bool decode_bundle(const std::string& bytes, v1::Bundle& bundle);
+// The bundle, scene_digests and attributes of a job, which lists do not read.
+std::string encode_bundle(const v1::Job& job);
+bool decode_bundle(const std::string& bytes, v1::Job& job);
 
 }  // namespace tessera::farm

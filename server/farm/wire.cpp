@@ -61,6 +61,10 @@ std::string_view waiting_reason(scheduler::Waiting waiting) {
       return "paused";
     case scheduler::Waiting::kNoWorker:
       return "no worker is connected";
+    case scheduler::Waiting::kNoImages:
+      return "no connected worker renders jobs of several images: update the workers";
+    case scheduler::Waiting::kNoLayers:
+      return "no connected worker renders layers: update the workers";
     case scheduler::Waiting::kHigherPriority:
       return "jobs of higher priority are served first";
     case scheduler::Waiting::kTurn:
@@ -131,6 +135,7 @@ v1::Worker to_wire(const scheduler::WorkerView& worker, std::int64_t seen_ms) {
   message.set_stuck(worker.stuck);
   message.set_principal(worker.info.principal);
   message.set_drain_requested(worker.drain_requested);
+  message.set_renders_layers(worker.info.capabilities.renders_layers);
   for (const scheduler::CooldownView& bar : worker.cooldowns) {
     auto& each = *message.add_cooldowns();
     each.set_job_id(bar.job.value);

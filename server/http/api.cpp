@@ -20,6 +20,20 @@ namespace {
 constexpr std::size_t kMaxSessionBytes = 4 << 10;
 constexpr std::string_view kApiPath = "/api/";
 
+core::Result<http::TlsOptions> read_certificates(const proto::ServerSecurity& security) {
+  http::TlsOptions tls;
+  if (security.certificate.empty()) return tls;
+  auto mine = common::read_certificate_and_key(security.certificate, security.key);
+  if (!mine) return core::fail(mine.error());
+  tls.certificate_pem = std::move(mine->certificates);
+  tls.key_pem = std::move(mine->key);
+  if (security.client_ca.empty()) return tls;
+  auto ca = common::read_certificates(security.client_ca);
+  if (!ca) return core::fail(ca.error());
+  tls.client_ca_pem = *std::move(ca);
+  return tls;
+}
+
 core::Result<http::ServerOptions> server_options(const ApiOptions& options) {
   // Whatever gRPC refuses to serve is refused here, too. Connections without certificates cannot exhaust the
   // memory of this server.
@@ -27,17 +41,9 @@ core::Result<http::ServerOptions> server_options(const ApiOptions& options) {
   security.allow_unauthenticated = true;
   if (const auto possible = proto::server_credentials(options.address, security); !possible)
     return core::fail(possible.error().within("--http"));
-  http::ServerOptions server{.address = options.address, .socket = options.socket};
-  if (security.certificate.empty()) return server;
-  auto mine = common::read_certificate_and_key(security.certificate, security.key);
-  if (!mine) return core::fail(mine.error());
-  server.certificate_pem = std::move(mine->certificates);
-  server.key_pem = std::move(mine->key);
-  if (security.client_ca.empty()) return server;
-  auto ca = common::read_certificates(security.client_ca);
-  if (!ca) return core::fail(ca.error());
-  server.client_ca_pem = *std::move(ca);
-  return server;
+  auto tls = read_certificates(security);
+  if (!tls) return core::fail(tls.error());
+  return http::ServerOptions{.address = options.address, .socket = options.socket, .tls = *std::move(tls)};
 }
 
 http::Reception reject(http::Response response) {
@@ -103,7 +109,7 @@ Api::Api(const rpc::Services& services, const ApiOptions& options)
     : context_(std::make_shared<Context>(services, route_names())),
       host_(host_of(options.address)),
       checks_host_(services.facts.is_open && proto::is_loopback(options.address)),
-      is_secure_(!options.security.certificate.empty()) {}
+      security_(options.security) {}
 
 Api::~Api() {
   server_.reset();
@@ -120,7 +126,13 @@ core::Result<std::unique_ptr<Api>> Api::start(const rpc::Services& services, con
 }
 
 std::string Api::url() const {
-  return fmt::format("{}://{}/", is_secure_ ? "https" : "http", address());
+  return fmt::format("{}://{}/", is_secure() ? "https" : "http", address());
+}
+
+core::Status Api::reload_certificates() {
+  if (!is_secure()) return {};
+  const auto tls = read_certificates(security_);
+  return tls ? server_->replace_certificates(*tls) : core::fail(tls.error());
 }
 
 core::Status Api::check_site(const http::Request& request, bool is_change) const {

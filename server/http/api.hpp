@@ -31,6 +31,8 @@ class Api final : private http::Handler {
   // HOST:PORT with the actual port, and "http://HOST:PORT/" or "https://...".
   const std::string& address() const { return server_->address(); }
   std::string url() const;
+  // Reads the files of certificates again; see http::Server::replace_certificates().
+  core::Status reload_certificates();
   // Calls by route.
   const rpc::CallStats& calls() const { return context_->calls; }
 
@@ -41,6 +43,7 @@ class Api final : private http::Handler {
   http::Reception receive(const http::Request& request) override;
   http::Response handle(const http::Request& request) override;
 
+  bool is_secure() const { return !security_.certificate.empty(); }
   http::Reception receive_call(const http::Request& request);
   // The error of a request that is not for this host, or that another site makes.
   core::Status check_site(const http::Request& request, bool is_change) const;
@@ -48,7 +51,7 @@ class Api final : private http::Handler {
   const std::shared_ptr<Context> context_;
   const std::string host_;  // that of the address
   const bool checks_host_;  // against DNS rebinding
-  const bool is_secure_;
+  const proto::ServerSecurity security_;
   std::unique_ptr<http::Server> server_;  // last: its threads use the others
 };
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "proto/peer_address.hpp"
 #include "server/auth/credentials.hpp"
-#include "server/auth/peer.hpp"
 #include "server/http/answers.hpp"
 
 namespace tessera::http_api {
@@ -36,7 +36,7 @@ class HeldBody final : public http::BodySource {
 }  // namespace
 
 auth::CallerShown shown_by(Context& context, const http::Request& request) {
-  auth::CallerShown shown{.machine = auth::client_machine(request.peer)};
+  auth::CallerShown shown{.machine = proto::client_machine(request.peer)};
   shown.credentials.token = auth::bearer_token(request.header("authorization"));
   if (shown.credentials.token.empty())
     shown.credentials.token_digest =

@@ -29,7 +29,7 @@ struct ImageSource {
   scheduler::JobShape shape;
   std::shared_ptr<film::JobFilm> film;  // null if the store alone has it
   int image = 0;
-  // What the header of EXR files says; only of an image with layers.
+  // What the header of EXR files says; not of jobs of releases that knew no digest of scenes.
   std::optional<core::RenderRecord> record{};
   core::TextAttributes attributes{};  // besides the record
 };

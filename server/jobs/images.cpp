@@ -84,17 +84,17 @@ std::optional<core::ImagePosition> position_of(const core::PixelRect& region, co
   return core::ImagePosition{region.x0, region.y0, width, height};
 }
 
-// That of the file that a local render writes; only of an image with layers.
+// That of the file that a local render writes.
 std::optional<core::RenderRecord> record_of(const farm::JobSnapshot& snapshot, const v1::Job& job,
                                             int image) {
   const auto settings = proto::from_proto(job.settings());
   const v1::Job& spec = *snapshot.spec;
-  if (!settings || settings->layers.empty()) return std::nullopt;
+  if (!settings || image >= spec.scene_digests_size()) return std::nullopt;
   const std::string fingerprint =
       snapshot.arithmetic.empty() ? std::string(core::kDeterminismFingerprint) : snapshot.arithmetic;
   return core::RenderRecord{.version = std::string(core::version()),
                             .fingerprint = fingerprint,
-                            .scene = image < spec.scene_digests_size() ? spec.scene_digests(image) : "",
+                            .scene = spec.scene_digests(image),
                             .settings = *settings,
                             .frame = image < spec.images_size() ? spec.images(image).frame() : 0,
                             .complete = farm::has_all_samples(snapshot)};
@@ -110,10 +110,12 @@ core::TextAttributes attributes_of(const ImageSource& source, const core::PixelR
   return attributes;
 }
 
-// What of an image is written: a layer, or the beauty with all layers, or alone.
+// What of an image is written: a layer, or the beauty with all layers, or channels. The file that a local
+// render writes has a record of how it was made.
 struct Content {
   view::ShownLayer layer;
   core::LayerSet layers;
+  bool has_record = false;
 };
 
 core::Result<Content> content_of(const v1::GetImageRequest& request, const v1::Job& job) {
@@ -122,8 +124,8 @@ core::Result<Content> content_of(const v1::GetImageRequest& request, const v1::J
   if (!layer) return core::fail(layer.error());
   const core::LayerSet layers = farm::layers_of(job);
   if (auto there = view::check_layer(layers, *layer); !there) return core::fail(there.error());
-  const bool is_beauty_alone = *layer || !request.channels().empty();
-  return Content{*layer, is_beauty_alone ? core::LayerSet() : layers};
+  const bool is_part = *layer || !request.channels().empty();
+  return Content{*layer, is_part ? core::LayerSet() : layers, !is_part};
 }
 
 }  // namespace
@@ -193,17 +195,18 @@ core::Result<ImageFile> Images::write_once(const v1::GetImageRequest& request) {
   if (!file) return core::fail(file.error());
   ScratchSink sink(*file);
   const auto position = position_of(*region, source->job);
+  const auto attributes = content->has_record ? attributes_of(*source, *region) : core::TextAttributes();
   core::Result<std::uint64_t> size = std::uint64_t{0};
   if (content->layers.empty()) {
     ImageRows rows(films_, *source, *region, content->layer);
-    size = core::write_image({rows.width(), rows.height(), [&](int y) { return rows.row(y); }, position},
-                             *format, *display, sink);
+    size = core::write_image(
+        {rows.width(), rows.height(), [&](int y) { return rows.row(y); }, position, attributes}, *format,
+        *display, sink);
   } else {
     LayeredImageRows rows(films_, *source, *region);
-    size =
-        core::write_channels({region->width(), region->height(), rows.channels(),
-                              [&](int y) { return rows.row(y); }, position, attributes_of(*source, *region)},
-                             *format, *display, sink);
+    size = core::write_channels({region->width(), region->height(), rows.channels(),
+                                 [&](int y) { return rows.row(y); }, position, attributes},
+                                *format, *display, sink);
   }
   if (!size) return core::fail(size.error());
   return ImageFile{std::move(source->job), *std::move(file), *size};

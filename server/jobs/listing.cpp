@@ -104,7 +104,7 @@ core::Result<std::optional<std::int64_t>> JobService::list_some(const JobQuery& 
     // A job whose id is no text cannot be shown.
     if (!farm::is_text(row.id)) return;
     JobSnapshot job = farm::snapshot_of_row(row);
-    // A page of specs could take gigabytes: those of images with layers have manifests.
+    // A page of specs could be large: they have the warnings of their scenes.
     job.spec = std::make_shared<const v1::Job>(farm::summarise_spec(*job.spec));
     listed.push_back({std::move(job), row.settled, number});
   });

@@ -9,8 +9,8 @@
 #include <variant>
 
 #include "proto/blob.hpp"
+#include "proto/peer_address.hpp"
 #include "proto/segments.hpp"
-#include "server/auth/peer.hpp"
 #include "server/blobs/admission.hpp"
 #include "server/rpc/reactors.hpp"
 #include "server/rpc/segment_requests.hpp"
@@ -170,7 +170,7 @@ void UploadStream::keep_partial() {
 
 void FetchStream::begin() {
   // The share is by machine, since each worker could open many connections.
-  const std::string machine = auth::client_key(context().peer());
+  const std::string machine = proto::address_key(context().peer());
   auto place = streams().fetches.take(machine);
   if (!place)
     return Finish(

@@ -8,10 +8,10 @@
 #include <optional>
 #include <utility>
 
+#include "proto/peer_address.hpp"
 #include "proto/peer_ticket.hpp"
 #include "proto/segments.hpp"
 #include "proto/worker_key.hpp"
-#include "server/auth/peer.hpp"
 
 namespace tessera::rpc {
 
@@ -56,13 +56,13 @@ core::Result<blobs::SegmentTracker::Ask> read_segment_request(const v1::SegmentR
   auto held = proto::SegmentSet::from_bytes(request.held(), proto::segment_count(blob.size_bytes));
   if (!held) return core::fail(held.error());
   if (held->is_full()) return core::fail(ErrorCode::kInvalidArgument, "segment.held: no segment is missing");
-  const std::string host = auth::host_of(peer);
+  const std::string host = proto::host_of(peer);
   auto endpoint = read_endpoint(request, host, now);
   if (!endpoint) return core::fail(endpoint.error());
   return blobs::SegmentTracker::Ask{
       .worker_id = proto::worker_id_of(request.worker_key()),
       .endpoint = *std::move(endpoint),
-      .is_on_loopback = auth::is_loopback_host(host),
+      .is_on_loopback = proto::is_loopback_host(host),
       .blob = blob,
       .held = *std::move(held),
       .excluded = {request.excluded_worker_ids().begin(), request.excluded_worker_ids().end()}};

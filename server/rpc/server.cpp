@@ -16,11 +16,11 @@
 
 #include "core/base/available_resources.hpp"
 #include "core/base/mutex.hpp"
+#include "proto/listener.hpp"
 #include "server/auth/auth_interceptor.hpp"
 #include "server/base/periodic.hpp"
 #include "server/base/wall_clock.hpp"
 #include "server/rpc/admin_service.hpp"
-#include "server/rpc/listener.hpp"
 #include "server/rpc/render_service.hpp"
 #include "server/rpc/validation_queue.hpp"
 #include "server/rpc/worker_service.hpp"
@@ -53,7 +53,7 @@ int quick_threads() {
 
 // The limits, lowered where the process may not open so many files. A quarter of the files is for the store,
 // uploads and validators.
-ConnectionSlots connection_slots(const server::Limits& limits) {
+proto::ConnectionSlots connection_slots(const server::Limits& limits) {
   std::uint64_t most = limits.connections;
   rlimit files{};
   if (getrlimit(RLIMIT_NOFILE, &files) == 0 && most > files.rlim_cur - files.rlim_cur / 4) {
@@ -182,7 +182,7 @@ struct Server::Parts {
   std::shared_ptr<proto::Certificates> certificates;  // null without TLS
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<grpc::Server> grpc;
-  std::unique_ptr<Listener> listener;  // passes connections to the acceptor
+  std::unique_ptr<proto::Listener> listener;  // passes connections to the acceptor
 };
 
 void Server::Parts::note_maintenance(const core::Status& done) {
@@ -243,12 +243,14 @@ core::Result<std::unique_ptr<Server>> Server::start(Coordinator& coordinator, Se
   if (!credentials) return core::fail(credentials.error());
   // Reflection parses messages before callers are authenticated.
   const bool with_reflection = options.access.is_open() || !options.security.client_ca.empty();
-  auto listening =
-      options.sockets.empty()
-          ? listen_on(address, options.patience.answer)
-          : core::Result<ListeningSockets>(adopt(std::move(options.sockets), options.patience.answer));
+  auto listening = options.sockets.empty() ? proto::listen_on(address, options.patience.answer)
+                                           : core::Result<proto::ListeningSockets>(proto::adopt(
+                                                 std::move(options.sockets), options.patience.answer));
   if (!listening) return core::fail(listening.error());
-  auto listener = Listener::make(std::move(*listening), connection_slots(options.limits));
+  auto listener =
+      proto::Listener::make(std::move(*listening), connection_slots(options.limits),
+                            {"this farm takes no more (--max-connections)",
+                             "this farm takes no more of one machine (--max-machine-connections)"});
   if (!listener) return core::fail(listener.error());
   const ServerFacts facts{.fingerprints = coordinator.fingerprints(),
                           .started_ms = base::wall_clock_ms(),

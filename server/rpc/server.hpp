@@ -32,7 +32,8 @@ struct ServerOptions {
 
 class Server {
  public:
-  // The coordinator must outlive the server. Errors are those of proto::server_credentials() and listen_on().
+  // The coordinator must outlive the server. Errors are those of proto::server_credentials() and
+  // proto::listen_on().
   static core::Result<std::unique_ptr<Server>> start(server::Coordinator& coordinator, ServerOptions options);
   // Calls stop() if it was not called.
   ~Server();

@@ -72,6 +72,7 @@ core::Result<WatchStream::Step> WatchTilesCall::next() {
     bytes += tile.pixels_zlib().size();
     *response_.add_tiles() = std::move(tile);
   }
+  if (bytes > 0) response_.mutable_channels()->Add(update->channels.begin(), update->channels.end());
   since_ = update->revision;
   if (update->is_current) response_.set_revision(since_);
   if (!has_sent_ || has_new_state) *response_.mutable_job() = std::move(update->job);

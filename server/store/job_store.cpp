@@ -32,15 +32,20 @@ void bind_mutable(Statement& update, const JobRow& job, std::optional<std::uint6
   update.bind_blob(8, job.counters).bind_text(9, job.arithmetic).bind(10, job.max_workers);
   update.bind(11, as_signed(row_checksum(job, bundle_sum)));
   update.bind_blob(12, job.producers).bind(13, job.settled ? 1 : 0).bind_blob(14, job.failure_details);
-  update.bind_blob(15, job.targets);
+  // The spec hardly changes, but the checksum is that of these bytes, and a message has several encodings.
+  update.bind_blob(15, job.targets).bind_blob(16, job.spec);
+}
+
+void bind_validated(Statement& statement, const JobRow& job, std::optional<std::uint64_t> bundle_sum) {
+  statement.bind_blob(17, job.submission).bind_blob(19, job.bundle);
+  bundle_sum ? statement.bind(20, as_signed(*bundle_sum)) : statement.bind_null(20);
 }
 
 void bind_all(Statement& statement, const JobRow& job) {
   const auto bundle_sum = bundle_checksum(job.bundle);
   bind_mutable(statement, job, bundle_sum);
-  statement.bind_blob(16, job.spec).bind_blob(17, job.submission);
-  statement.bind_text(18, job.owner).bind_blob(19, job.bundle);
-  bundle_sum ? statement.bind(20, as_signed(*bundle_sum)) : statement.bind_null(20);
+  bind_validated(statement, job, bundle_sum);
+  statement.bind_text(18, job.owner);
 }
 
 }  // namespace
@@ -184,8 +189,9 @@ core::Status JobStore::update_job(const JobRow& job) {
 core::Status JobStore::end_validation(const JobRow& job) {
   return impl_->write([&]() -> core::Status {
     Statement& update = impl_->writer->end_validation;
-    bind_mutable(update, job, bundle_checksum(job.bundle));
-    update.bind_blob(16, job.spec).bind_blob(17, job.submission);
+    const auto bundle_sum = bundle_checksum(job.bundle);
+    bind_mutable(update, job, bundle_sum);
+    bind_validated(update, job, bundle_sum);
     const auto updated = impl_->writer->run_update(update, job);
     return updated ? core::Status() : core::fail(updated.error());
   });

@@ -30,9 +30,9 @@ class Database;
 struct JobRow {
   std::string id;
   std::string request_id;  // empty for none, otherwise unique
-  std::string spec;        // immutable once the job is validated
-  // Immutable; not part of the spec, since it can be large. Rows of earlier releases have it in their spec.
-  // Empty where a function says so.
+  std::string spec;        // says the same once the job is validated
+  // Immutable once the job is validated; not part of the spec, since it can be large. Rows of earlier
+  // releases have it in their spec. Empty where a function says so.
   std::string bundle{};
   std::string owner{};  // immutable; empty in rows of earlier releases that are not settled
   // Mutable columns; the revision grows with every change.
@@ -157,9 +157,9 @@ class JobStore {
   std::array<std::uint64_t, 2> secret() const;
 
   core::Status insert_job(const JobRow& job);
-  // Writes the mutable columns, unless the store has a later revision or the job was deleted.
+  // Writes the mutable columns and the spec, unless the store has a later revision or the job was deleted.
   core::Status update_job(const JobRow& job);
-  // The same, with the columns that change only when a validation ends: the spec and the submission.
+  // The same, with the columns that change only when a validation ends: the submission and the bundle.
   core::Status end_validation(const JobRow& job);
   // Writes all columns but those of the submission (id, request_id, created_ms), if the store has exactly
   // this revision of the job. Returns whether it has.

@@ -38,9 +38,9 @@ constexpr auto kInsertJob =
     " (SELECT coalesce(max(number), 0) + 1 FROM jobs))";
 constexpr auto kSetColumns =
     "UPDATE jobs SET revision = ?2, failure = ?4, spp = ?5, priority = ?6, counters = ?8, arithmetic = ?9,"
-    " max_workers = ?10, row_xxh3 = ?11, producers = ?12, failure_details = ?14, targets = ?15";
-constexpr auto kAndThoseOfValidation = ", spec = ?16, submission = ?17";
-constexpr auto kAndTheOthers = ", owner = ?18, bundle = ?19, bundle_xxh3 = ?20";
+    " max_workers = ?10, row_xxh3 = ?11, producers = ?12, failure_details = ?14, targets = ?15, spec = ?16";
+constexpr auto kAndThoseOfValidation = ", submission = ?17, bundle = ?19, bundle_xxh3 = ?20";
+constexpr auto kAndTheOthers = ", owner = ?18";
 // By themselves, and only if they change, since indexes have them: most changes of a job then write one page.
 constexpr auto kSetIndexed =
     "UPDATE jobs SET state = ?2, finished_ms = ?3, settled = ?4"

@@ -12,6 +12,7 @@
 
 #include "core/film/cryptomatte.hpp"
 #include "core/scene/cache/scene_digest.hpp"
+#include "core/scene/light_groups.hpp"
 #include "core/scene/loader/loader.hpp"
 #include "core/scene/pose.hpp"
 #include "core/scene/scene_ids.hpp"
@@ -66,7 +67,7 @@ core::Result<ValidateResponse::Approval> load(const ValidateRequest& request, co
   if (!scene) return core::fail(as_mistake(scene.error()));
   const auto overrides = proto::from_proto(request.overrides());
   if (!overrides) return core::fail(overrides.error());
-  const auto settings = core::resolve_settings(scene->settings, *overrides);
+  const auto settings = core::resolve_settings(*scene, *overrides);
   if (!settings) return core::fail(settings.error());
   if (auto valid = core::validate_scene(*scene); !valid) return core::fail(valid.error().within(path));
   const std::vector<std::int32_t> frames(request.frames().begin(), request.frames().end());
@@ -76,7 +77,6 @@ core::Result<ValidateResponse::Approval> load(const ValidateRequest& request, co
   *approval.mutable_settings() = proto::to_proto(*settings);
   *approval.mutable_display() = proto::to_proto(scene->display);
   for (const std::string& warning : scene->warnings) approval.add_warnings(warning);
-  if (settings->layers.empty()) return approval;
   const core::SceneDigest digest = core::digest_of(*scene);
   for (const std::int32_t frame : frames.empty() ? std::vector<std::int32_t>{0} : frames)
     approval.add_scene_digests(core::digest_text(core::digest_at_frame(digest, scene->animation, frame)));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/watch/tile_feed.hpp"
 
+#include "core/film/develop.hpp"
 #include "proto/convert.hpp"
 #include "server/jobs/image_choice.hpp"
 
@@ -16,13 +17,22 @@ bool touches(const core::PixelRect& a, const core::PixelRect& b) {
 
 std::optional<view::PixelFormat> pixel_format(v1::TileFormat format) {
   if (format == v1::TILE_FORMAT_RGB16F) return view::PixelFormat::kHalf;
-  if (format == v1::TILE_FORMAT_RGB32F) return view::PixelFormat::kFloat;
+  if (format == v1::TILE_FORMAT_RGB32F || format == v1::TILE_FORMAT_ALL32F) return view::PixelFormat::kFloat;
   return std::nullopt;
 }
 
 // A job that is being validated, or has ended before it was, has no image.
 bool has_image(const v1::Job& job) {
   return job.samples_total() > 0;
+}
+
+core::Status check_format(const TileQuery& query) {
+  if (!pixel_format(query.format))
+    return core::fail(core::ErrorCode::kInvalidArgument, "format: must be one of TileFormat");
+  if (query.format == v1::TILE_FORMAT_ALL32F && query.layer)
+    return core::fail(core::ErrorCode::kInvalidArgument,
+                      "layer: must be empty with TILE_FORMAT_ALL32F, which has all layers");
+  return {};
 }
 
 core::Status check_region(const TileQuery& query, const core::PixelRect& window) {
@@ -38,8 +48,13 @@ core::Result<std::shared_ptr<const view::EncodedTile>> TileFeed::encoded(const T
                                                                          const JobTiles& source,
                                                                          const JobLook& look,
                                                                          const view::TileChange& change) {
-  return images_.get({source.id(), change.tile, *pixel_format(query.format), 0, query.layer}, change.revision,
-                     look.shape.grid().rect(change.tile), [&] { return source.read(look, change); });
+  return images_.get({.job_id = source.id(),
+                      .tile = change.tile,
+                      .format = *pixel_format(query.format),
+                      .layer = query.layer,
+                      .has_all_channels = query.format == v1::TILE_FORMAT_ALL32F},
+                     change.revision, look.shape.grid().rect(change.tile),
+                     [&] { return source.read(look, change); });
 }
 
 core::Result<TileUpdate> TileFeed::update(const TileQuery& query) {
@@ -47,8 +62,7 @@ core::Result<TileUpdate> TileFeed::update(const TileQuery& query) {
   const auto now = source.look();
   if (!now) return core::fail(now.error());
   const JobLook& look = **now;
-  if (!pixel_format(query.format))
-    return core::fail(core::ErrorCode::kInvalidArgument, "format: must be one of TileFormat");
+  if (auto valid = check_format(query); !valid) return core::fail(valid.error());
   if (!has_image(look.job)) return TileUpdate{look.job, {}, query.since, true};
   if (auto there = jobs::check_image(look.shape, query.image); !there) return core::fail(there.error());
   if (auto there = view::check_layer(farm::layers_of(look.job), query.layer); !there)
@@ -56,6 +70,8 @@ core::Result<TileUpdate> TileFeed::update(const TileQuery& query) {
   const core::TileGrid grid = look.shape.grid().of_image();
   if (auto valid = check_region(query, grid.window()); !valid) return core::fail(valid.error());
   TileUpdate update{look.job, {}, query.since, false};
+  if (query.format == v1::TILE_FORMAT_ALL32F)
+    update.channels = core::image_channels(farm::layers_of(look.job));
   for (std::size_t bytes = 0; bytes < query.max_bytes || bytes == 0;) {
     const auto next = source.changes_since(look, update.revision, kChangesAtOnce);
     if (!next) return core::fail(next.error());

@@ -38,6 +38,8 @@ struct TileUpdate {
   events::Revision revision = 0;
   // There was nothing more at this moment.
   bool is_current = true;
+  // Of TILE_FORMAT_ALL32F.
+  std::vector<std::string> channels{};
 };
 
 class TileFeed {
@@ -50,8 +52,8 @@ class TileFeed {
     return std::make_shared<JobTiles>(farm_, films_, store_, job_id, image);
   }
 
-  // INVALID_ARGUMENT: the format is unknown, the region is not within the pixels of the job, or the job has
-  // no such image or layer.
+  // INVALID_ARGUMENT: the format is unknown or does not go with the layer, the region is not within the
+  // pixels of the job, or the job has no such image or layer.
   core::Result<TileUpdate> update(const TileQuery& query);
 
   // Those of all jobs, for others who send tiles, too.

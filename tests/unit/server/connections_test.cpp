@@ -17,10 +17,10 @@
 #include <sstream>
 
 #include "proto/channel.hpp"
-#include "server/auth/peer.hpp"
-#include "server/rpc/connection_slots.hpp"
-#include "server/rpc/listener.hpp"
-#include "server/rpc/listening_sockets.hpp"
+#include "proto/connection_slots.hpp"
+#include "proto/listener.hpp"
+#include "proto/listening_sockets.hpp"
+#include "proto/peer_address.hpp"
 #include "server/rpc/server.hpp"
 #include "tessera/v1/render_service.grpc.pb.h"
 #include "tests/unit/server/scripted_farm.hpp"
@@ -30,6 +30,9 @@ namespace {
 
 using namespace std::chrono_literals;
 using base::Fd;
+using proto::ConnectionSlots;
+using proto::listen_on;
+using proto::Listener;
 using testing::HasSubstr;
 using Room = ConnectionSlots::Room;
 
@@ -149,20 +152,20 @@ TEST(ConnectionSlots, OfOneMachineLeaveRoomForOthers) {
 }
 
 TEST(ConnectionSlots, AMachineIsAnAddressOrItsNetwork) {
-  EXPECT_EQ(auth::client_key(address_of(AF_INET, "10.0.0.5")), "10.0.0.5");
-  EXPECT_EQ(auth::client_key(address_of(AF_INET6, "2001:db8:1:2:3:4:5:6")), "2001:db8:1:2::/64");
-  EXPECT_EQ(auth::client_key(address_of(AF_INET6, "2001:db8:1:2::9")), "2001:db8:1:2::/64");
-  EXPECT_EQ(auth::client_key("ipv4:10.0.0.5:4242"), "ipv4:10.0.0.5");
-  EXPECT_EQ(auth::client_key("ipv6:[2001:db8:1:2::9]:4242"), "2001:db8:1:2::/64");
-  EXPECT_EQ(auth::client_key("ipv6:%5B2001:db8:1:2:3:4:5:6%5D:17"), "2001:db8:1:2::/64");
-  EXPECT_EQ(auth::client_key("ipv6:%5Bfe80::1%25eth0%5D:17"), "ipv6:%5Bfe80::1%25eth0%5D");
-  EXPECT_EQ(auth::host_of("ipv4:10.0.0.5:4242"), "10.0.0.5");
-  EXPECT_EQ(auth::host_of("ipv6:%5B2001:db8::5%5D:17"), "[2001:db8::5]");
-  EXPECT_EQ(auth::host_of("ipv6:[::ffff:10.0.0.5]:17"), "10.0.0.5");
+  EXPECT_EQ(proto::address_key(address_of(AF_INET, "10.0.0.5")), "10.0.0.5");
+  EXPECT_EQ(proto::address_key(address_of(AF_INET6, "2001:db8:1:2:3:4:5:6")), "2001:db8:1:2::/64");
+  EXPECT_EQ(proto::address_key(address_of(AF_INET6, "2001:db8:1:2::9")), "2001:db8:1:2::/64");
+  EXPECT_EQ(proto::address_key("ipv4:10.0.0.5:4242"), "ipv4:10.0.0.5");
+  EXPECT_EQ(proto::address_key("ipv6:[2001:db8:1:2::9]:4242"), "2001:db8:1:2::/64");
+  EXPECT_EQ(proto::address_key("ipv6:%5B2001:db8:1:2:3:4:5:6%5D:17"), "2001:db8:1:2::/64");
+  EXPECT_EQ(proto::address_key("ipv6:%5Bfe80::1%25eth0%5D:17"), "ipv6:%5Bfe80::1%25eth0%5D");
+  EXPECT_EQ(proto::host_of("ipv4:10.0.0.5:4242"), "10.0.0.5");
+  EXPECT_EQ(proto::host_of("ipv6:%5B2001:db8::5%5D:17"), "[2001:db8::5]");
+  EXPECT_EQ(proto::host_of("ipv6:[::ffff:10.0.0.5]:17"), "10.0.0.5");
   for (const char* const nothing : {"ipv6:%5Bfe80::1%25eth0%5D:17", "unix:/tmp/socket", "", "ipv4:10.0.0.5"})
-    EXPECT_EQ(auth::host_of(nothing), "") << nothing;
-  EXPECT_TRUE(auth::is_loopback_host("127.0.0.1") && auth::is_loopback_host("[::1]"));
-  EXPECT_FALSE(auth::is_loopback_host("10.0.0.5") || auth::is_loopback_host("[2001:db8::5]"));
+    EXPECT_EQ(proto::host_of(nothing), "") << nothing;
+  EXPECT_TRUE(proto::is_loopback_host("127.0.0.1") && proto::is_loopback_host("[::1]"));
+  EXPECT_FALSE(proto::is_loopback_host("10.0.0.5") || proto::is_loopback_host("[2001:db8::5]"));
 }
 
 TEST(ListeningSockets, HaveOnePortAtAllAddresses) {
@@ -204,7 +207,7 @@ TEST(ListeningSockets, AreAtHostAndPortOfThisMachine) {
 TEST(Listener, HandsOnWhatConnectsUntilItStops) {
   auto listening = listen_on("127.0.0.1:0", kUnacknowledged);
   ASSERT_TRUE(listening);
-  const auto listener = std::move(*Listener::make(std::move(*listening), ConnectionSlots(1, 1)));
+  const auto listener = std::move(*Listener::make(std::move(*listening), ConnectionSlots(1, 1), {}));
   std::promise<int> taken;
   const base::Fd connection = connect_to(listener->port());  // blocks until it is accepted
   listener->start([&](int descriptor) { taken.set_value(descriptor); });

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <optional>
 #include <string>
@@ -28,6 +29,7 @@ namespace {
 using core::ErrorCode;
 using core::Layer;
 using core::LayerSet;
+using testing::ElementsAreArray;
 using testing::HasSubstr;
 
 core::FilmTile layered_tile(const core::PixelRect& rect, core::SampleRange range,
@@ -132,6 +134,18 @@ class LayersTest : public ScriptedFarm {
   core::Error error_;
 };
 
+TEST_F(LayersTest, AreNotLeasedToAWorkerThatDoesNotRenderThem) {
+  const std::string id = submit(submission_with(core::kAllLayers));
+  v1::SynchronizeRequest old = greeting('e');
+  old.set_renders_layers(false);
+  const WaitingCall call(coordinator(), old);
+  EXPECT_FALSE(call.answered());
+  EXPECT_EQ(job(id).waiting_reason(), "no connected worker renders layers: update the workers");
+  const std::string without = submit();
+  ASSERT_TRUE(call.answered());
+  EXPECT_EQ(call.answer()->leases(0).job_id(), without);
+}
+
 TEST_F(LayersTest, AreThoseOfTheLocalImage) {
   const std::string id = submit(submission_with(core::kAllLayers));
   while (stored_job(id).state() == v1::JOB_STATE_RUNNING) {
@@ -141,7 +155,7 @@ TEST_F(LayersTest, AreThoseOfTheLocalImage) {
   expect_local_image(id);
   EXPECT_EQ(coordinator().images().get(id)->image.pixels,
             ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
-  EXPECT_EQ(static_cast<std::size_t>(job(id).settings().layers_size()), core::kLayerCount);
+  EXPECT_THAT(job(id).settings().layers(), ElementsAreArray(core::layer_names()));
   EXPECT_EQ(job(id).images(0).layout().channels(0).name(), "R");
   EXPECT_EQ(static_cast<std::size_t>(job(id).images(0).layout().channels_size()),
             core::film_layout(core::kAllLayers).channels.size());
@@ -195,7 +209,8 @@ TEST_F(LayersTest, OfAJobWithoutAnyAreNotInItsFiles) {
   work('a');
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
   EXPECT_TRUE(file_of(id, v1::IMAGE_FORMAT_EXR) ==
-              *core::encode_image(ready_made_picture(kWidthPx, kHeightPx, kSpp), core::ImageFormat::kExr));
+              *core::encode_image(ready_made_picture(kWidthPx, kHeightPx, kSpp), core::ImageFormat::kExr, {}, {},
+                                  attributes(id)));
   EXPECT_EQ(job(id).images(0).layout().channels_size(), 0);
   file_of(id, v1::IMAGE_FORMAT_EXR, "albedo");
   EXPECT_EQ(error_.code, ErrorCode::kInvalidArgument);
@@ -254,6 +269,29 @@ TEST_F(LayersTest, AreSentToWatchers) {
   }
   query.layer = Layer::kDepth;
   EXPECT_EQ(coordinator().tile_feed().update(query).error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST_F(LayersTest, AreSentTogetherToWatchersOfAllChannels) {
+  const std::string id = submit(submission_with(core::kAllLayers));
+  work_with('a', core::kAllLayers, 1);
+  watch::TileQuery query{.job_id = id, .format = v1::TILE_FORMAT_ALL32F, .max_bytes = 1 << 20};
+  const auto update = coordinator().tile_feed().update(query);
+  ASSERT_TRUE(update) << update.error().message;
+  EXPECT_EQ(update->channels, core::image_channels(core::kAllLayers));
+  ASSERT_FALSE(update->tiles.empty());
+  for (const v1::TileImage& tile : update->tiles) {
+    const auto rect = *proto::from_proto(tile.rect());
+    core::Film alone(core::TileGrid(rect, core::kTilePx), core::kAllLayers);
+    alone.add(layered_tile(rect, {0, tile.samples()}));
+    std::vector<float> expected(rect.pixel_count() * update->channels.size());
+    core::develop_layers(core::kAllLayers, rect, alone.tile(0), expected);
+    const auto values = view::decode_channels(tile.pixels_zlib(), expected.size());
+    ASSERT_TRUE(values) << values.error().message;
+    EXPECT_EQ(std::memcmp(values->data(), expected.data(), expected.size() * sizeof(float)), 0);
+    EXPECT_FALSE(view::decode_channels(tile.pixels_zlib(), expected.size() + 1));
+  }
+  query.layer = Layer::kDepth;
+  EXPECT_THAT(coordinator().tile_feed().update(query).error().message, HasSubstr("layer: must be empty"));
 }
 
 // A result that is refused counts for nothing, and against its worker.
@@ -328,7 +366,7 @@ TEST_F(LayersTest, ThatNobodyKnowsAreRefused) {
   request.mutable_overrides()->mutable_layers()->set_names(0, "all");
   EXPECT_FALSE(proto::from_proto(request.overrides()));
   for (int i = 0; i < 100; ++i) request.mutable_overrides()->mutable_layers()->add_names("albedo");
-  EXPECT_THAT(proto::from_proto(request.overrides()).error().message, HasSubstr("layers: there are 18"));
+  EXPECT_THAT(proto::from_proto(request.overrides()).error().message, HasSubstr("layers: there are at most 51, got 101"));
 }
 
 core::FilmTile part(core::SampleRange range) {

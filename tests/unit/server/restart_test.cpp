@@ -61,6 +61,25 @@ TEST_F(Restart, AStateThatIsRemovedMeanwhileIsMissedByTheNextCheckpoint) {
   EXPECT_TRUE(coordinator().checkpointer().checkpoint());
 }
 
+// Labels are encoded in any order.
+TEST_F(Restart, FindsJobsOfManyLabelsUndamaged) {
+  v1::SubmitJobRequest request = submission();
+  for (const char* key : {"shot", "show", "artist", "scene", "take", "client", "pass", "camera"})
+    (*request.mutable_labels())[key] = "7";
+  const std::string id = submit(request);
+  for (int i = 0; i < 5; ++i) {
+    work('a', 1);
+    ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+    open();
+    ASSERT_EQ(job(id).state(), v1::JOB_STATE_RUNNING) << job(id).failure();
+    EXPECT_EQ(job(id).labels_size(), 8);
+  }
+  work('a');
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+  open();
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
+}
+
 TEST_F(Restart, CarriesOnFromTheCheckpointToTheSamePicture) {
   const std::string id = submit();
   work('a', 3);

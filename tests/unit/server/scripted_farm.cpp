@@ -99,6 +99,7 @@ v1::SynchronizeRequest greeting(char worker) {
   request.set_threads(1);
   request.set_wanted_leases(1);
   request.set_names_images(true);
+  request.set_renders_layers(true);
   return request;
 }
 

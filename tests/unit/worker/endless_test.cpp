@@ -217,18 +217,18 @@ TEST(EndlessWorker, DeliversSaysWhatItIsAtAndStartsAnew) {
   std::vector<v1::SynchronizeRequest> said;
   std::vector<v1::SubmitResultRequest> delivered;
   std::optional<Piece> endless;
-  Worker worker({.worker_id = "id", .threads = 1}, *cache, coordinator.stub(),
-                {.render = [&](const auto&, const auto&, auto rect, auto range,
-                               int) { return renderer.render(rect, range); },
-                 .hang_timeout = [](const UnwantedPiece&) { return 0s; },
-                 .self_restart =
-                     [&](const UnwantedPiece& piece, bool must_end) {
-                       EXPECT_FALSE(must_end);
-                       said = coordinator.wait_for_syncs(3);
-                       delivered = coordinator.wait_for_results(1);
-                       endless = piece.piece;
-                       renderer.release();
-                     }});
+  Worker worker(
+      {.worker_id = "id", .threads = 1}, *cache, coordinator.stub(),
+      {.render = [&](const auto&, auto rect, auto range, int) { return renderer.render(rect, range); },
+       .hang_timeout = [](const UnwantedPiece&) { return 0s; },
+       .self_restart =
+           [&](const UnwantedPiece& piece, bool must_end) {
+             EXPECT_FALSE(must_end);
+             said = coordinator.wait_for_syncs(3);
+             delivered = coordinator.wait_for_results(1);
+             endless = piece.piece;
+             renderer.release();
+           }});
   worker.run({});
 
   ASSERT_TRUE(endless.has_value());

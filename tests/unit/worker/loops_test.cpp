@@ -247,7 +247,7 @@ TEST_F(LoopsTest, AJobThatTakesTooMuchMemoryIsDeclinedAndTheWorkerGoesOn) {
   int renders = 0;
   Metrics metrics;
   RenderLoop render(1, lease_tracker, metrics, confined(), {},
-                    [&](const auto&, const auto&, auto rect, auto range, int) -> core::FilmTile {
+                    [&](const auto&, auto rect, auto range, int) -> core::FilmTile {
                       if (++renders == 1) throw std::bad_alloc();
                       return core::FilmTile(rect, range);
                     });

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Segments from the coordinator and from other workers, over real TLS on the loopback.
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <fstream>
 #include <string>
 #include <vector>
 
+#include "core/base/open_file.hpp"
 #include "fake_coordinator.hpp"
 #include "proto/peer_ticket.hpp"
 #include "proto/segments.hpp"
@@ -228,6 +233,103 @@ TEST_F(PeersTest, AWorkerServesWhatItIsStillFetching) {
     EXPECT_EQ(blobs.find(digest_), *partial);
   }
   EXPECT_EQ(blobs.find(digest_), nullptr);
+}
+
+// Opens a connection over which nothing is said.
+core::OpenFile connect_to(std::uint32_t port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  core::OpenFile connection(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  if (::connect(connection.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) return {};
+  return connection;
+}
+
+// Whether the peer closes the connection within the timeout, without having sent anything.
+bool is_closed(const core::OpenFile& connection, std::chrono::seconds timeout) {
+  const timeval patience{timeout.count(), 0};
+  ::setsockopt(connection.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  char byte = 0;
+  const ssize_t received = ::recv(connection.get(), &byte, 1, 0);
+  return received == 0 || (received < 0 && errno == ECONNRESET);
+}
+
+// The handshake of TLS may last ten seconds: no connection is closed earlier but those beyond the limit.
+TEST_F(PeersTest, ConnectionsBeyondTheLimitsAreClosed) {
+  server_ = *PeerServer::start("127.0.0.1:0", there_, {.connections = 3, .machine_connections = 2});
+  std::vector<core::OpenFile> inside;
+  for (int i = 0; i < 2; ++i) inside.push_back(connect_to(server_->endpoint().port()));
+  for (int i = 0; i < 8; ++i)
+    EXPECT_TRUE(is_closed(connect_to(server_->endpoint().port()), std::chrono::seconds(5)));
+  EXPECT_EQ(client_.fetch(digest_, referral(0), {}).error().code, core::ErrorCode::kUnavailable);
+  inside.pop_back();
+  const auto end = PeerClient::Clock::now() + std::chrono::seconds(30);
+  while (!client_.fetch(digest_, referral(0), {}) && PeerClient::Clock::now() < end) {
+  }
+  EXPECT_EQ(there_.traffic().peer_sent_bytes.load(), proto::kSegmentBytes) << "there is room again";
+}
+
+// Such as that of a worker that has what it needs. The next segment opens another.
+TEST_F(PeersTest, AnIdleConnectionIsClosed) {
+  server_ = *PeerServer::start(
+      "127.0.0.1:0", there_,
+      {.connections = 1, .machine_connections = 1, .idle = std::chrono::milliseconds(200)});
+  ASSERT_TRUE(client_.fetch(digest_, referral(0), {}));
+  PeerClient another;
+  const auto end = PeerClient::Clock::now() + std::chrono::seconds(30);
+  while (!another.fetch(digest_, referral(1), {}) && PeerClient::Clock::now() < end) {
+  }
+  EXPECT_EQ(there_.traffic().peer_sent_bytes.load(), 2 * proto::kSegmentBytes);
+}
+
+TEST_F(PeersTest, ATicketIsUsedUp) {
+  const v1::PeerReferral granted = referral(2);
+  for (unsigned i = 0; i < UploadQuota::kMaxTicketUses; ++i) ASSERT_TRUE(client_.fetch(digest_, granted, {}));
+  const auto beyond = client_.fetch(digest_, granted, {});
+  ASSERT_FALSE(beyond);
+  EXPECT_EQ(beyond.error().code, core::ErrorCode::kResourceExhausted);
+  EXPECT_EQ(there_.traffic().peer_sent_bytes.load(), UploadQuota::kMaxTicketUses * segment(2).size_bytes);
+  EXPECT_TRUE(client_.fetch(digest_, referral(1), {})) << "another ticket is not";
+}
+
+v1::PeerTicket ticket(std::uint64_t expires_seconds, const std::string& signature = "s") {
+  v1::PeerTicket made;
+  made.set_expires_seconds(expires_seconds);
+  made.set_signature(signature);
+  return made;
+}
+
+TEST(UploadQuota, LeavesRoomForOtherMachines) {
+  UploadQuota quota;
+  std::vector<UploadQuota::Upload> uploads;
+  for (unsigned i = 0; i < UploadQuota::kMaxMachineUploads; ++i)
+    uploads.push_back(std::move(*quota.begin("a", ticket(100), 50)));
+  EXPECT_FALSE(quota.begin("a", ticket(100), 50));
+  for (unsigned i = UploadQuota::kMaxMachineUploads; i < UploadQuota::kMaxUploads; ++i)
+    uploads.push_back(std::move(*quota.begin("b", ticket(100), 50)));
+  EXPECT_FALSE(quota.begin("c", ticket(100), 50));
+  uploads.pop_back();
+  EXPECT_TRUE(quota.begin("c", ticket(100), 50));
+}
+
+TEST(UploadQuota, CountsTheUsesOfATicketByMachineUntilItExpires) {
+  UploadQuota quota;
+  for (unsigned i = 0; i < UploadQuota::kMaxTicketUses; ++i) ASSERT_TRUE(quota.begin("a", ticket(100), 50));
+  EXPECT_FALSE(quota.begin("a", ticket(100), 100));
+  EXPECT_TRUE(quota.begin("b", ticket(100), 100));
+  EXPECT_TRUE(quota.begin("a", ticket(100, "another"), 100));
+  for (std::size_t i = 2; i < UploadQuota::kMaxTickets; ++i)
+    static_cast<void>(quota.begin("a", ticket(101, std::to_string(i)), 100));
+  EXPECT_TRUE(quota.begin("a", ticket(160), 101)) << "those that have expired are forgotten";
+}
+
+TEST(UploadQuota, RemembersNoMoreTicketsThanItsLimit) {
+  UploadQuota quota;
+  for (std::size_t i = 0; i < UploadQuota::kMaxTickets; ++i)
+    ASSERT_TRUE(quota.begin("a", ticket(100, std::to_string(i)), 50));
+  EXPECT_FALSE(quota.begin("a", ticket(100), 50));
+  EXPECT_TRUE(quota.begin("a", ticket(100, "0"), 50)) << "one that is known";
 }
 
 TEST(PeerServer, SaysWhyItCannotListen) {

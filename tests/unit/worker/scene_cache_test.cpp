@@ -33,9 +33,10 @@ TEST(SceneCache, KeepsBuiltScenesForTheNextWorker) {
   };
   EXPECT_TRUE(new_cache().get(files, 0));
   std::filesystem::remove(blob);
-  const auto scene = new_cache().get(files, 0);
-  ASSERT_TRUE(scene);
-  EXPECT_EQ((*scene)->primitives().sphere_count(), 1u);
+  SceneCache cache = new_cache();
+  const auto plans = cache.get(files, 0);
+  ASSERT_TRUE(plans);
+  EXPECT_EQ((*plans)->scene().primitives().sphere_count(), 1u);
   EXPECT_FALSE(SceneCache(1, 1, metrics, confined(), {}).get(files, 0)) << "without a store";
 }
 
@@ -71,15 +72,36 @@ TEST(SceneCache, LoadsASceneOnceForAllFrames) {
   SceneCache cache(1, 1, metrics, confined(), {});
   const auto first = cache.get(files, 1);
   ASSERT_TRUE(first) << first.error().message;
-  const core::Aabb at_first = (*first)->primitives().bounds(0);
+  const core::Scene& scene = (*first)->scene();
+  const core::Aabb at_first = scene.primitives().bounds(0);
   for (int frame = 12; frame > 0; --frame) {
-    const auto scene = cache.get(files, frame);
-    ASSERT_TRUE(scene);
-    EXPECT_EQ(*scene, *first) << "the same memory";
-    EXPECT_EQ((*scene)->frame(), frame);
-    EXPECT_EQ((*scene)->primitives().bounds(0) == at_first, frame == 1);
+    const auto plans = cache.get(files, frame);
+    ASSERT_TRUE(plans);
+    EXPECT_EQ(&(*plans)->scene(), &scene) << "the same memory";
+    EXPECT_EQ(scene.frame(), frame);
+    EXPECT_EQ(scene.primitives().bounds(0) == at_first, frame == 1);
   }
   EXPECT_EQ(metrics.scenes_loaded.load(), 1u);
+}
+
+// Pieces of jobs that differ in what preparation does not depend on take turns.
+TEST(SceneCache, PreparesASceneOnceForAllPieces) {
+  const TemporaryFolder folder;
+  const std::string blob = folder.path() / "blob", other = folder.path() / "other";
+  write_file(blob, kScene);
+  write_file(other, kTurning);
+  Metrics metrics;
+  const SceneFiles still{.key = "still", .scene_path = "scene.json", .blob_paths = {{"scene.json", blob}}};
+  const SceneFiles turning{
+      .key = "turning", .scene_path = "scene.json", .blob_paths = {{"scene.json", other}}};
+  SceneCache cache(2, 1, metrics, confined(), {});
+  const auto sampler_of = [&](const SceneFiles& files, std::int32_t frame, std::uint64_t seed) {
+    return &cache.get(files, frame).value()->get({.seed = seed}, 1).light_sampler();
+  };
+  const auto* const first = sampler_of(still, 0, 1);
+  EXPECT_EQ(sampler_of(turning, 1, 1), sampler_of(turning, 1, 2));
+  EXPECT_EQ(sampler_of(still, 0, 2), first);
+  EXPECT_EQ(sampler_of(still, 5, 1), first) << "all frames of a still scene are the same";
 }
 
 TEST(SceneCache, NamesTheFrameThatCannotBeRendered) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/base/rate_limited_log.hpp"
+#include "core/common/rate_limited_log.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <chrono>
 #include <utility>
 
-namespace tessera::base {
+namespace tessera::common {
 
 namespace {
 
@@ -15,15 +15,15 @@ constexpr auto kPeriod = std::chrono::seconds(10);
 
 }  // namespace
 
-std::optional<common::LogLine> RateLimitedLog::note(common::LogLine line, Time now) {
+std::optional<LogLine> RateLimitedLog::note(LogLine line, Time now) {
   line_ = std::move(line);
   ++times_;
   return take_due(now);
 }
 
-std::optional<common::LogLine> RateLimitedLog::take_due(Time now) {
+std::optional<LogLine> RateLimitedLog::take_due(Time now) {
   if (times_ == 0 || now < next_) return std::nullopt;
-  common::LogLine line = line_;
+  LogLine line = line_;
   if (times_ > 1) line.message += fmt::format(" ({} such since the last line)", times_);
   times_ = 0;
   next_ = now + kPeriod;
@@ -35,4 +35,4 @@ std::optional<RateLimitedLog::Duration> RateLimitedLog::due_in(Time now) const {
   return std::max<Duration>(Duration::zero(), next_ - now);
 }
 
-}  // namespace tessera::base
+}  // namespace tessera::common

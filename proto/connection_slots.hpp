@@ -9,7 +9,7 @@
 #include <map>
 #include <string>
 
-namespace tessera::rpc {
+namespace tessera::proto {
 
 class ConnectionSlots {
  public:
@@ -45,4 +45,4 @@ class ConnectionSlots {
   Clock::time_point next_look_{};
 };
 
-}  // namespace tessera::rpc
+}  // namespace tessera::proto

@@ -11,7 +11,7 @@
 
 #include "core/common/log_fields.hpp"
 
-namespace tessera::base {
+namespace tessera::common {
 
 class RateLimitedLog {
  public:
@@ -19,16 +19,16 @@ class RateLimitedLog {
   using Duration = std::chrono::steady_clock::duration;
 
   // Returns the line to log, if one is due.
-  std::optional<common::LogLine> note(common::LogLine line, Time now);
+  std::optional<LogLine> note(LogLine line, Time now);
   // Returns the last suppressed line, if it is due. Call it regularly.
-  std::optional<common::LogLine> take_due(Time now);
+  std::optional<LogLine> take_due(Time now);
   // The time until take_due() has something to log; empty if no line was suppressed.
   std::optional<Duration> due_in(Time now) const;
 
  private:
-  common::LogLine line_;
+  LogLine line_;
   std::size_t times_ = 0;  // since the last line
   Time next_ = Time::min();
 };
 
-}  // namespace tessera::base
+}  // namespace tessera::common

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/rpc/connection_slots.hpp"
+#include "proto/connection_slots.hpp"
 
 #include <sys/stat.h>
 
 #include <algorithm>
 #include <utility>
 
-namespace tessera::rpc {
+namespace tessera::proto {
 
 namespace {
 
@@ -56,4 +56,4 @@ ConnectionSlots::Slots::iterator ConnectionSlots::forget(Slots::iterator slot) {
   return slots_.erase(slot);
 }
 
-}  // namespace tessera::rpc
+}  // namespace tessera::proto

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sockets that a coordinator listens at. Thread-safe: there is no shared state.
+// The sockets that a server listens at. Thread-safe: there is no shared state.
 #pragma once
 
 #include <chrono>
@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "core/base/error.hpp"
-#include "server/base/file.hpp"
+#include "core/base/open_file.hpp"
 
-namespace tessera::rpc {
+namespace tessera::proto {
 
 struct ListeningSockets {
-  std::vector<base::Fd> sockets;  // non-blocking; one for each address of the host
-  int port = 0;                   // the same for all of them
+  std::vector<core::OpenFile> sockets;  // non-blocking; one for each address of the host
+  int port = 0;                         // the same for all of them
 };
 
 // Listens at HOST:PORT, with an IPv6 address in brackets. Port 0 picks a free one, and a wildcard address of
@@ -24,6 +24,6 @@ core::Result<ListeningSockets> listen_on(const std::string& address,
                                          std::chrono::milliseconds unacknowledged);
 
 // Takes over sockets that listen already, at least one. They get the same options.
-ListeningSockets adopt(std::vector<base::Fd> sockets, std::chrono::milliseconds unacknowledged);
+ListeningSockets adopt(std::vector<core::OpenFile> sockets, std::chrono::milliseconds unacknowledged);
 
-}  // namespace tessera::rpc
+}  // namespace tessera::proto

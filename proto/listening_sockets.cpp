@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/rpc/listening_sockets.hpp"
+#include "proto/listening_sockets.hpp"
 
 #include <fmt/format.h>
 #include <netdb.h>
@@ -16,10 +16,10 @@
 #include <string_view>
 #include <utility>
 
-namespace tessera::rpc {
+namespace tessera::proto {
 
-using base::Fd;
 using core::ErrorCode;
+using core::OpenFile;
 
 namespace {
 
@@ -73,7 +73,7 @@ void set_port(sockaddr_storage& address, int port) {
   if (address.ss_family == AF_INET6) reinterpret_cast<sockaddr_in6&>(address).sin6_port = value;
 }
 
-int port_of(const base::Fd& socket) {
+int port_of(const OpenFile& socket) {
   sockaddr_storage address{};
   socklen_t length = sizeof address;
   if (getsockname(socket.get(), reinterpret_cast<sockaddr*>(&address), &length) != 0) return 0;
@@ -81,17 +81,17 @@ int port_of(const base::Fd& socket) {
                                             : reinterpret_cast<sockaddr_in6&>(address).sin6_port);
 }
 
-bool set_option(const base::Fd& socket, int level, int option, int value) {
+bool set_option(const OpenFile& socket, int level, int option, int value) {
   return setsockopt(socket.get(), level, option, &value, sizeof value) == 0;
 }
 
 // Invalid, with errno, on failure. SO_REUSEPORT is not set: a second process on the port is an error to
 // report, not a load balancer. Connections inherit the TCP options.
-base::Fd listen_at(const addrinfo& entry, int port, std::chrono::milliseconds unacknowledged) {
+OpenFile listen_at(const addrinfo& entry, int port, std::chrono::milliseconds unacknowledged) {
   sockaddr_storage address{};
   std::memcpy(&address, entry.ai_addr, entry.ai_addrlen);
   if (port != 0) set_port(address, port);
-  base::Fd socket(::socket(entry.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  OpenFile socket(::socket(entry.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const bool listens =
       socket && set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1) &&
       (entry.ai_family != AF_INET6 || set_option(socket, IPPROTO_IPV6, IPV6_V6ONLY, 1)) &&
@@ -101,7 +101,7 @@ base::Fd listen_at(const addrinfo& entry, int port, std::chrono::milliseconds un
       ::listen(socket.get(), kBacklog) == 0;
   if (listens) return socket;
   const int error = errno;
-  socket = base::Fd();
+  socket = OpenFile();
   errno = error;
   return {};
 }
@@ -113,7 +113,7 @@ int listen_at_each(const addrinfo* entries, std::chrono::milliseconds unacknowle
   int error = EADDRNOTAVAIL;
   for (const addrinfo* entry = entries; entry != nullptr; entry = entry->ai_next) {
     if (!seen.emplace(reinterpret_cast<const char*>(entry->ai_addr), entry->ai_addrlen).second) continue;
-    base::Fd socket = listen_at(*entry, made.port, unacknowledged);
+    OpenFile socket = listen_at(*entry, made.port, unacknowledged);
     if (!socket) {
       error = errno;
       if (error == EADDRINUSE) return error;
@@ -127,8 +127,8 @@ int listen_at_each(const addrinfo* entries, std::chrono::milliseconds unacknowle
 
 }  // namespace
 
-ListeningSockets adopt(std::vector<Fd> sockets, std::chrono::milliseconds unacknowledged) {
-  for (const Fd& socket : sockets) {
+ListeningSockets adopt(std::vector<OpenFile> sockets, std::chrono::milliseconds unacknowledged) {
+  for (const OpenFile& socket : sockets) {
     set_option(socket, IPPROTO_TCP, TCP_NODELAY, 1);
     set_option(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, static_cast<int>(unacknowledged.count()));
   }
@@ -154,9 +154,9 @@ core::Result<ListeningSockets> listen_on(const std::string& address,
   }
   if (error == EADDRINUSE)
     return cannot_listen(ErrorCode::kUnavailable, address,
-                         "another program listens there; end it, or choose another port with --listen");
+                         "another program listens there; end it, or choose another port");
   const ErrorCode code = error == EADDRNOTAVAIL ? ErrorCode::kInvalidArgument : ErrorCode::kUnavailable;
   return cannot_listen(code, address, std::strerror(error));
 }
 
-}  // namespace tessera::rpc
+}  // namespace tessera::proto

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/auth/peer.hpp"
+#include "proto/peer_address.hpp"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -10,7 +10,7 @@
 #include <iterator>
 #include <regex>
 
-namespace tessera::auth {
+namespace tessera::proto {
 
 namespace {
 
@@ -18,7 +18,7 @@ constexpr std::size_t kNetworkBytes = 8;  // of an IPv6 address
 
 }  // namespace
 
-std::string client_key(const sockaddr_storage& peer) {
+std::string address_key(const sockaddr_storage& peer) {
   char text[INET6_ADDRSTRLEN] = "";
   if (peer.ss_family == AF_INET) {
     inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in&>(peer).sin_addr, text, sizeof text);
@@ -30,7 +30,7 @@ std::string client_key(const sockaddr_storage& peer) {
   return std::string(text) + "/64";
 }
 
-std::string client_key(const std::string& peer) {
+std::string address_key(const std::string& peer) {
   if (peer.starts_with("ipv4:")) return peer.substr(0, peer.find_last_of(':'));  // the common case
   static const std::regex kIpv6(R"(ipv6:(?:\[|%5B)([0-9a-f:.]+)(?:\]|%5D):\d+)", std::regex::icase);
   std::smatch parts;
@@ -38,7 +38,7 @@ std::string client_key(const std::string& peer) {
   auto& ipv6 = reinterpret_cast<sockaddr_in6&>(address);
   ipv6.sin6_family = AF_INET6;
   if (std::regex_match(peer, parts, kIpv6) && inet_pton(AF_INET6, parts.str(1).c_str(), &ipv6.sin6_addr) == 1)
-    return client_key(address);
+    return address_key(address);
   return peer.substr(0, peer.find_last_of(':'));
 }
 
@@ -57,9 +57,9 @@ bool is_loopback_host(const std::string& host) {
 }
 
 std::string client_machine(const sockaddr_storage& peer) {
-  if (peer.ss_family == AF_INET) return "ipv4:" + client_key(peer);
+  if (peer.ss_family == AF_INET) return "ipv4:" + address_key(peer);
   const auto& ipv6 = reinterpret_cast<const sockaddr_in6&>(peer);
-  if (!IN6_IS_ADDR_V4MAPPED(&ipv6.sin6_addr)) return client_key(peer);
+  if (!IN6_IS_ADDR_V4MAPPED(&ipv6.sin6_addr)) return address_key(peer);
   sockaddr_storage mapped{};
   auto& ipv4 = reinterpret_cast<sockaddr_in&>(mapped);
   ipv4.sin_family = AF_INET;
@@ -67,4 +67,4 @@ std::string client_machine(const sockaddr_storage& peer) {
   return client_machine(mapped);
 }
 
-}  // namespace tessera::auth
+}  // namespace tessera::proto

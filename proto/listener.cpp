@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/rpc/listener.hpp"
+#include "proto/listener.hpp"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -12,11 +12,10 @@
 #include <utility>
 
 #include "core/common/log.hpp"
-#include "server/auth/peer.hpp"
+#include "proto/peer_address.hpp"
 
-namespace tessera::rpc {
+namespace tessera::proto {
 
-using base::Fd;
 using core::ErrorCode;
 using Clock = std::chrono::steady_clock;
 
@@ -32,8 +31,9 @@ bool is_exhaustion(int error) {
 
 }  // namespace
 
-Listener::Listener(ListeningSockets listening, ConnectionSlots slots, base::Fd stopped)
+Listener::Listener(ListeningSockets listening, ConnectionSlots slots, Reasons reasons, core::OpenFile stopped)
     : port_(listening.port),
+      reasons_(std::move(reasons)),
       stopped_(std::move(stopped)),
       sockets_(std::move(listening.sockets)),
       slots_(std::move(slots)) {}
@@ -42,11 +42,13 @@ Listener::~Listener() {
   stop();
 }
 
-core::Result<std::unique_ptr<Listener>> Listener::make(ListeningSockets listening, ConnectionSlots slots) {
-  base::Fd stopped(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+core::Result<std::unique_ptr<Listener>> Listener::make(ListeningSockets listening, ConnectionSlots slots,
+                                                       Reasons reasons) {
+  core::OpenFile stopped(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!stopped)
     return core::fail(ErrorCode::kUnavailable, fmt::format("cannot listen: {}", std::strerror(errno)));
-  return std::unique_ptr<Listener>(new Listener(std::move(listening), std::move(slots), std::move(stopped)));
+  return std::unique_ptr<Listener>(
+      new Listener(std::move(listening), std::move(slots), std::move(reasons), std::move(stopped)));
 }
 
 void Listener::start(Take take) {
@@ -63,7 +65,7 @@ void Listener::stop() {
 
 void Listener::run(const Take& take) {
   std::vector<pollfd> waiting{{stopped_.get(), POLLIN, 0}};
-  for (const base::Fd& socket : sockets_) waiting.push_back({socket.get(), POLLIN, 0});
+  for (const core::OpenFile& socket : sockets_) waiting.push_back({socket.get(), POLLIN, 0});
   while (true) {
     const int ready = poll(waiting.data(), waiting.size(), wait_ms());
     if (const auto line = log_.take_due(Clock::now())) common::log(spdlog::level::warn, *line);
@@ -85,10 +87,10 @@ void Listener::warn(std::string sentence, const std::string& machine) {
     common::log(spdlog::level::warn, *line);
 }
 
-void Listener::accept_from(const base::Fd& socket, const Take& take) {
+void Listener::accept_from(const core::OpenFile& socket, const Take& take) {
   sockaddr_storage peer{};
   socklen_t length = sizeof peer;
-  base::Fd connection(
+  core::OpenFile connection(
       ::accept4(socket.get(), reinterpret_cast<sockaddr*>(&peer), &length, SOCK_NONBLOCK | SOCK_CLOEXEC));
   if (!connection) {
     if (!is_exhaustion(errno)) return;  // the connection is gone already
@@ -97,7 +99,7 @@ void Listener::accept_from(const base::Fd& socket, const Take& take) {
          "");
     return std::this_thread::sleep_for(kPause);
   }
-  const std::string machine = auth::client_key(peer);
+  const std::string machine = address_key(peer);
   if (!has_room(machine)) return;
   slots_.take(connection.get(), machine);
   take(connection.release());
@@ -106,16 +108,13 @@ void Listener::accept_from(const base::Fd& socket, const Take& take) {
 bool Listener::has_room(const std::string& machine) {
   const ConnectionSlots::Room room = slots_.room_for(machine);
   if (room == ConnectionSlots::Room::kNone)
-    warn(fmt::format("closed a connection of {}: there are {}, and this farm takes no more "
-                     "(--max-connections)",
-                     machine, slots_.most()),
+    warn(fmt::format("closed a connection of {}: there are {}, and {}", machine, slots_.most(), reasons_.all),
          machine);
   if (room == ConnectionSlots::Room::kNoneForMachine)
-    warn(fmt::format("closed a connection of {}: it has {}, and this farm takes no more of one machine "
-                     "(--max-machine-connections)",
-                     machine, slots_.most_of_machine()),
+    warn(fmt::format("closed a connection of {}: it has {}, and {}", machine, slots_.most_of_machine(),
+                     reasons_.machine),
          machine);
   return room == ConnectionSlots::Room::kYes;
 }
 
-}  // namespace tessera::rpc
+}  // namespace tessera::proto
