@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "client/commands.hpp"
 #include "client/console.hpp"
+#include "client/image_layers.hpp"
 #include "client/scene_flags.hpp"
+#include "core/base/printable.hpp"
 #include "core/image/compare.hpp"
-#include "core/image/decode.hpp"
 #include "core/image/limits.hpp"
 
 namespace tessera::client {
@@ -29,12 +33,13 @@ takes 1 as the peak.)",
     .exit_statuses = {{kExitOk, "identical"},
                       {kExitDifferent, "different"},
                       {kExitCannotCompare, "cannot be compared, or wrong command line"}},
-    .examples = {"tessera compare a.exr b.exr", "tessera compare a.exr b.exr --json --region 100,40,64x32"}};
+    .examples = {"tessera compare a.exr b.exr", "tessera compare a.exr b.exr --json --region 100,40,64x32",
+                 "tessera compare a.exr b.exr --layer all"}};
 
 struct CompareOptions {
   std::string path_a, path_b;
   std::optional<core::ImageRegion> region;  // the whole images if absent
-  std::string layer;                        // of both images; empty: the images themselves
+  std::string layer;                        // of both images, or "all"; empty: the images themselves
   bool json = false;
 };
 
@@ -69,8 +74,8 @@ std::string describe(const core::Comparison& c, const std::optional<core::ImageR
 }
 
 // Infinite values become null, because JSON cannot represent them.
-std::string to_json(const core::Comparison& c, const std::optional<core::ImageRegion>& region) {
-  nlohmann::ordered_json json = {
+nlohmann::ordered_json to_json(const core::Comparison& c) {
+  return {
       {"identical", c.identical},
       {"largest_difference", c.largest_difference},
       {"largest_difference_x", c.largest_x},
@@ -80,11 +85,21 @@ std::string to_json(const core::Comparison& c, const std::optional<core::ImageRe
       {"psnr_db", c.psnr_db},
       {"reference_mean_square", c.reference_mean_square},
   };
-  if (region) {
-    json["region"] = {
-        {"x", region->x}, {"y", region->y}, {"width", region->width}, {"height", region->height}};
-  }
-  return json.dump() + "\n";
+}
+
+nlohmann::ordered_json to_json(const core::ImageRegion& region) {
+  return {{"x", region.x}, {"y", region.y}, {"width", region.width}, {"height", region.height}};
+}
+
+// Names of files and layers need not be UTF-8.
+std::string to_line(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string to_json(const core::Comparison& c, const std::optional<core::ImageRegion>& region) {
+  nlohmann::ordered_json json = to_json(c);
+  if (region) json["region"] = to_json(*region);
+  return to_line(json);
 }
 
 int cannot_compare(const core::Error& error) {
@@ -92,12 +107,94 @@ int cannot_compare(const core::Error& error) {
   return kExitCannotCompare;
 }
 
+core::Result<core::Comparison> compare_layer(const ImageFile& file_a, const ImageFile& file_b,
+                                             const std::string& layer,
+                                             const std::optional<core::ImageRegion>& region) {
+  const core::Result<core::Image> a = file_a.decode(layer);
+  if (!a) return core::fail(a.error());
+  const core::Result<core::Image> b = file_b.decode(layer);
+  if (!b) return core::fail(b.error());
+  return region ? core::compare(*a, *b, *region) : core::compare(*a, *b);
+}
+
+// A layer of either file, and its comparison if both have it.
+struct ComparedLayer {
+  std::string name;
+  std::optional<core::Comparison> result;
+  std::string only_in{};  // the path of the file that alone has it
+
+  bool is_identical() const { return result && result->identical; }
+};
+
+core::Result<std::vector<ComparedLayer>> compare_layers(const ImageFile& a, const ImageFile& b,
+                                                        const std::optional<core::ImageRegion>& region) {
+  const auto has = [](const ImageFile& file, const std::string& layer) {
+    return std::ranges::count(file.layers(), layer) > 0;
+  };
+  std::vector<ComparedLayer> layers;
+  for (const std::string& layer : a.layers()) {
+    if (!has(b, layer)) {
+      layers.push_back({layer, std::nullopt, a.path()});
+      continue;
+    }
+    const auto result = compare_layer(a, b, layer, region);
+    if (!result) return core::fail(result.error());
+    layers.push_back({layer, *result});
+  }
+  for (const std::string& layer : b.layers())
+    if (!has(a, layer)) layers.push_back({layer, std::nullopt, b.path()});
+  return layers;
+}
+
+std::string describe(const ComparedLayer& layer) {
+  if (!layer.result) return "only in " + core::printable(layer.only_in);
+  if (layer.result->identical) return "identical";
+  const core::Comparison& c = *layer.result;
+  return fmt::format("largest difference {:.9g} at pixel ({}, {}), relative MSE {:.9g}", c.largest_difference,
+                     c.largest_x, c.largest_y, c.relative_mse);
+}
+
+std::string describe(const std::vector<ComparedLayer>& layers, bool identical) {
+  const auto shown = [](const ComparedLayer& layer) {
+    return layer.name.empty() ? std::string("(beauty)") : core::printable(layer.name);
+  };
+  std::size_t width = 0;
+  for (const ComparedLayer& layer : layers) width = std::max(width, shown(layer).size());
+  std::string text = identical ? "identical\n" : "different\n";
+  for (const ComparedLayer& layer : layers)
+    text += fmt::format("{:<{}}  {}\n", shown(layer), width, describe(layer));
+  return text;
+}
+
+std::string to_json(const std::vector<ComparedLayer>& layers, bool identical,
+                    const std::optional<core::ImageRegion>& region) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const ComparedLayer& layer : layers) {
+    nlohmann::ordered_json entry = {{"layer", layer.name}};
+    if (layer.result) entry.update(to_json(*layer.result));
+    if (!layer.only_in.empty()) entry["only_in"] = layer.only_in;
+    list.push_back(std::move(entry));
+  }
+  nlohmann::ordered_json json = {{"identical", identical}, {"layers", std::move(list)}};
+  if (region) json["region"] = to_json(*region);
+  return to_line(json);
+}
+
+int compare_all_layers(const ImageFile& a, const ImageFile& b, const CompareOptions& options) {
+  const auto layers = compare_layers(a, b, options.region);
+  if (!layers) return cannot_compare(layers.error());
+  const bool identical = std::ranges::all_of(*layers, &ComparedLayer::is_identical);
+  print_result(options.json ? to_json(*layers, identical, options.region) : describe(*layers, identical));
+  return identical ? kExitOk : kExitDifferent;
+}
+
 int run_compare(const CompareOptions& options) {
-  const core::Result<core::Image> a = core::read_image(options.path_a, options.layer);
+  const auto a = ImageFile::read(options.path_a);
   if (!a) return cannot_compare(a.error());
-  const core::Result<core::Image> b = core::read_image(options.path_b, options.layer);
+  const auto b = ImageFile::read(options.path_b);
   if (!b) return cannot_compare(b.error());
-  const auto result = options.region ? core::compare(*a, *b, *options.region) : core::compare(*a, *b);
+  if (options.layer == "all") return compare_all_layers(*a, *b, options);
+  const auto result = compare_layer(*a, *b, options.layer, options.region);
   if (!result) return cannot_compare(result.error());
   print_result(options.json ? to_json(*result, options.region) : describe(*result, options.region));
   return result->identical ? kExitOk : kExitDifferent;
@@ -117,10 +214,11 @@ void add_compare_command(CLI::App& app, int& exit_code) {
           "(render --crop)")
       ->type_name("X,Y,WxH");
   command
-      ->add_option(
-          "--layer", options->layer,
-          "Compare this layer of .exr files, such as Normal or Direct, or one channel, such as Depth.Z")
-      ->type_name("NAME");
+      ->add_option("--layer", options->layer,
+                   "Compare this layer of .exr files, such as normal, or by the name in the files, such as "
+                   "DiffCol, or "
+                   "one channel, such as Normal.X; all: the image and every layer, one by one")
+      ->type_name("NAME|all");
   command->add_flag("--json", options->json, "Print one line of JSON");
   cli::set_help(*command, kCompareHelp);
   command->callback([options, &exit_code] { exit_code = run_compare(*options); });

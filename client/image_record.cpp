@@ -46,6 +46,7 @@ core::RenderRecord with_settings(core::RenderRecord record, const nlohmann::json
   settings.filter.kind = core::filter_from_name(object.at("filter").get<std::string>()).value();
   object.at("filter_radius").get_to(settings.filter.radius_px);
   settings.layers = core::parse_layers(object.at("layers").get<std::string>()).value();
+  settings.layers.light_groups = false;  // an image with light groups names them
   object.at("frame").get_to(record.frame);
   object.at("complete").get_to(record.complete);
   // A window of the whole image is none.
@@ -61,7 +62,10 @@ tl::unexpected<core::Error> broken_record(const std::string& why) {
 
 Result<core::RenderRecord> image_record_of(std::string_view bytes) {
   const auto texts = core::exr_texts(bytes);
-  if (!texts) return fail(ErrorCode::kInvalidArgument, "is no OpenEXR image (" + texts.error().message + ")");
+  if (!texts)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("is no OpenEXR image ({}); only those say how they were rendered",
+                            texts.error().message));
   const auto text = [&](const char* name) {
     const auto found = texts->find(name);
     return found == texts->end() ? std::string() : found->second;
@@ -69,7 +73,7 @@ Result<core::RenderRecord> image_record_of(std::string_view bytes) {
   const std::string settings = text("tessera/settings");
   if (settings.empty())
     return fail(ErrorCode::kFailedPrecondition,
-                "does not say how it was rendered: only OpenEXR images with layers do");
+                "does not say how it was rendered: only OpenEXR images that Tessera has rendered do");
   core::RenderRecord record{text("tessera/version"), text("tessera/fingerprint"), text("tessera/scene"), {}};
   try {
     const nlohmann::json object = nlohmann::json::parse(settings);

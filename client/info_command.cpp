@@ -87,6 +87,24 @@ Json contents_json(const core::SceneContents& contents) {
   return json;
 }
 
+// What moves or changes from frame to frame; nothing if all stands still.
+Json motion_json(const core::SceneDescription& scene) {
+  const core::Animation& animation = scene.animation;
+  Json json = Json::object();
+  if (scene.camera.shutter_open != scene.camera.shutter_close)
+    json["shutter"] = {scene.camera.shutter_open, scene.camera.shutter_close};
+  if (core::is_animated(animation.camera)) json["camera"] = 1;
+  const auto count = [&json](const char* what, std::size_t number) {
+    if (number > 0) json[what] = number;
+  };
+  count("instances", animation.instances.size());
+  count("lights", animation.lights.size());
+  count("materials", animation.materials.size());
+  count("media", animation.media.size());
+  count("environment", animation.environment.empty() ? 0 : 1);
+  return json;
+}
+
 // All that is told of a scene that was read.
 Json scene_json(const core::SceneDescription& scene) {
   const core::SceneCounts counts = core::count_scene(scene);
@@ -100,6 +118,7 @@ Json scene_json(const core::SceneDescription& scene) {
   json["spp"] = scene.settings.spp;
   json["triangles"] = counts.triangles;
   json["triangles_with_instances"] = counts.triangles_with_instances;
+  if (counts.deforming_triangles > 0) json["deforming_triangles"] = counts.deforming_triangles;
   if (counts.curve_segments > 0) json["curve_segments"] = counts.curve_segments;
   json["shapes"] = to_json(counts.shapes);
   json["objects"] = scene.objects.size();
@@ -109,6 +128,7 @@ Json scene_json(const core::SceneDescription& scene) {
   json["materials"] = to_json(counts.materials);
   json["textures"] = textures_json(scene);
   json["media"] = scene.media.size();
+  json["motion"] = motion_json(scene);
   json["memory_bytes"] = counts.memory_bytes;
   return json;
 }
@@ -148,6 +168,17 @@ std::string plain_lights(const Json& json) {
   return json["environment"].get<bool>() ? text + ", environment" : text;
 }
 
+// "shutter 0 to 0.5 frames, 1 camera, 2 instances"
+std::string plain_motion(Json motion) {
+  std::string text;
+  if (motion.contains("shutter"))
+    text = fmt::format("shutter {:g} to {:g} frames", motion["shutter"][0].get<float>(),
+                       motion["shutter"][1].get<float>());
+  motion.erase("shutter");
+  if (!motion.empty()) text += fmt::format("{}{}", text.empty() ? "" : ", ", plain_counts(motion));
+  return text;
+}
+
 std::string plain_textures(const Json& textures) {
   if (textures.empty()) return "none";
   std::string text;
@@ -185,6 +216,8 @@ std::string plain_scene(const Json& json) {
                             json["height"].get<int>(), json["spp"].get<std::uint32_t>()));
   line("triangles", fmt::format("{} stored, {} with instances", json["triangles"].get<std::uint64_t>(),
                                 json["triangles_with_instances"].get<std::uint64_t>()));
+  if (json.contains("deforming_triangles"))
+    line("deforming", fmt::format("{} of these triangles", json["deforming_triangles"].get<std::uint64_t>()));
   if (json.contains("curve_segments"))
     line("curves", fmt::format("{} segments", json["curve_segments"].get<std::uint64_t>()));
   line("shapes", plain_counts(json["shapes"]));
@@ -193,6 +226,7 @@ std::string plain_scene(const Json& json) {
   line("materials", plain_counts(json["materials"]));
   line("textures", plain_textures(json["textures"]));
   if (json["media"] > 0) line("media", fmt::format("{}", json["media"].get<std::uint64_t>()));
+  if (!json["motion"].empty()) line("motion", plain_motion(json["motion"]));
   line("memory", plain_bytes(json["memory_bytes"].get<std::uint64_t>()));
   return text;
 }

@@ -71,10 +71,12 @@ Status write_each(const std::vector<std::string>& paths, const Encode& encode) {
 }  // namespace
 
 Status write_pictures(const std::vector<std::string>& paths, const core::Image& image,
-                      const core::RenderSettings& settings, const core::DisplaySettings& display) {
+                      const core::RenderSettings& settings, const core::DisplaySettings& display,
+                      const core::TextAttributes& attributes) {
   const auto position = position_of(settings);
-  return write_each(
-      paths, [&](core::ImageFormat format) { return core::encode_image(image, format, display, position); });
+  return write_each(paths, [&](core::ImageFormat format) {
+    return core::encode_image(image, format, display, position, attributes);
+  });
 }
 
 Status write_layers(const std::vector<std::string>& paths, const LayerPicture& picture,

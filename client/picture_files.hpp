@@ -12,6 +12,7 @@
 #include "core/image/display.hpp"
 #include "core/image/encode.hpp"
 #include "core/image/image.hpp"
+#include "core/scene/render_record.hpp"
 #include "core/scene/settings.hpp"
 
 namespace tessera::client {
@@ -28,16 +29,17 @@ void warn_about_idle_display(const std::vector<std::string>& paths, const core::
 // Where the window of the settings lies in the image; nothing if it is all of it.
 std::optional<core::ImagePosition> position_of(const core::RenderSettings& settings);
 
-// Writes the picture, the window of the settings, to each path, in order, PNG files as `display` says; stops
-// at the first failure, which names the path.
+// Writes the picture, the window of the settings, to each path, in order, PNG files as `display` says and
+// `attributes` into the header of .exr files; stops at the first failure, which names the path.
 core::Status write_pictures(const std::vector<std::string>& paths, const core::Image& image,
-                            const core::RenderSettings& settings, const core::DisplaySettings& display);
+                            const core::RenderSettings& settings, const core::DisplaySettings& display,
+                            const core::TextAttributes& attributes = {});
 
 // An image with layers, from the sums of a film.
 struct LayerPicture {
   core::RenderSettings settings;
-  core::LayerRows::TileSource tile;  // of the grid over the window of the settings
-  std::vector<std::pair<std::string, std::string>> attributes{};  // of the header of .exr files
+  core::LayerRows::TileSource tile;   // of the grid over the window of the settings
+  core::TextAttributes attributes{};  // of the header of .exr files
 };
 
 // The same for an image with layers, tile row by tile row.

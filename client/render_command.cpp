@@ -23,6 +23,7 @@
 #include "core/base/thread_check.hpp"
 #include "core/image/file_io.hpp"
 #include "core/integrators/render.hpp"
+#include "core/scene/light_groups.hpp"
 #include "core/scene/loader/loader.hpp"
 #include "core/scene/pose.hpp"
 
@@ -109,8 +110,8 @@ Result<core::PreparedScene> prepare(const std::optional<core::SceneStore>& store
 
 Result<core::RenderSettings> settings_of(const RenderOptions& options,
                                          const core::SceneDescription& description) {
-  if (options.record) return options.record->settings;
-  return core::resolve_settings(description.settings, options.scene.overrides);
+  if (!options.record) return core::resolve_settings(description, options.scene.overrides);
+  return options.record->settings;
 }
 
 // Whether the scene is that of the record, if there is one.
@@ -164,13 +165,14 @@ Result<LoadedScene> load(const RenderOptions& options) {
   return LoadedScene{std::move(*scene), *display, digest, std::move(names), stats};
 }
 
-int print_sample(const core::Scene& scene, const core::RenderSettings& settings, core::SampleId id) {
+int print_sample(const core::Scene& scene, const core::RenderSettings& settings, core::SampleId id,
+                 int threads) {
   if (id.x >= settings.width_px || id.y >= settings.height_px) {
     print_error(fmt::format("--sample: pixel ({}, {}) is outside the image of {}x{} pixels", id.x, id.y,
                             settings.width_px, settings.height_px));
     return kExitUsage;
   }
-  const core::Rgb radiance = core::render_sample(scene, settings, id);
+  const core::Rgb radiance = core::render_sample(core::prepare(scene, settings, threads), id);
   print_result(fmt::format("pixel ({}, {}) sample {}: radiance {:.9g} {:.9g} {:.9g}\n", id.x, id.y, id.sample,
                            radiance.r, radiance.g, radiance.b));
   return kExitOk;
@@ -197,7 +199,8 @@ int render_frames(const RenderOptions& options, const std::vector<std::int32_t>&
     if (i == 0 && !loaded.scene.gives_light()) warn_about_darkness(options.scene.scene_path);
     if (i == 0 && loaded.scene.has_media() && loaded.stats.settings.integrator == core::Integrator::kWhitted)
       warn_about_ignored_media(options.scene.scene_path);
-    if (options.sample) return print_sample(loaded.scene, loaded.stats.settings, *options.sample);
+    if (options.sample)
+      return print_sample(loaded.scene, loaded.stats.settings, *options.sample, options.threads);
     loaded.digest = core::digest_at_frame(digest, loaded.scene.animation(), frames[i]);
     if (const int status = render_to_files(of_frame, loaded); status != kExitOk) return status;
   }

@@ -63,9 +63,8 @@ bool has_all_samples(const SharedFilm& film, std::uint32_t spp) {
 }
 
 // An image that is rendered again says what it said before: compatible versions give the same bytes.
-std::vector<std::pair<std::string, std::string>> attributes_of_image(const RenderOptions& options,
-                                                                     const LoadedScene& loaded,
-                                                                     const SharedFilm& film) {
+core::TextAttributes attributes_of_image(const RenderOptions& options, const LoadedScene& loaded,
+                                         const SharedFilm& film) {
   const core::RenderSettings& settings = loaded.stats.settings;
   auto attributes =
       core::attributes_of({.version = options.record ? options.record->version : std::string(core::version()),
@@ -83,7 +82,8 @@ std::vector<std::pair<std::string, std::string>> attributes_of_image(const Rende
 Status write_images(const RenderOptions& options, const LoadedScene& loaded, const SharedFilm& film) {
   const core::RenderSettings& settings = loaded.stats.settings;
   if (settings.layers.empty())
-    return write_pictures(options.scene.output_paths, film.develop(), settings, loaded.display);
+    return write_pictures(options.scene.output_paths, film.develop(), settings, loaded.display,
+                          attributes_of_image(options, loaded, film));
   const LayerPicture picture{settings,
                              [&](int tile) -> Result<core::Film::TileSums> { return film.tile(tile); },
                              attributes_of_image(options, loaded, film)};

@@ -26,7 +26,7 @@ using core::Result;
 
 const cli::HelpText kRerenderHelp{
     .notes =
-        R"(The header of an .exr file with layers has the settings, the seed, the frame and the digest of the scene.
+        R"(The header of an .exr file has the settings, the seed, the frame and the digest of the scene.
 
 Without SCENE, the scene is the file beside the image with the image's name, or scene.json there. Parameters
 that were replaced (-D) must be replaced again. The digest tells whether the scene is the same.)",
@@ -83,7 +83,7 @@ void add_rerender_command(CLI::App& app, int& exit_code) {
   const auto image = std::make_shared<std::string>();
   const auto options = std::make_shared<RenderOptions>();
   options->threads = static_cast<int>(core::available_threads());
-  command->add_option("IMAGE", *image, "OpenEXR image with layers, written by 'tessera render'")->required();
+  command->add_option("IMAGE", *image, "OpenEXR image, written by 'tessera render'")->required();
   add_scene_argument(*command, options->scene);
   command->get_option("SCENE")->required(false);
   add_output_option(*command, options->scene);

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "client/example_scenes.hpp"
+#include "core/base/suggestion.hpp"
 #include "core/image/encode.hpp"
 #include "core/scene/import/selection.hpp"
 
@@ -72,14 +73,13 @@ constexpr std::pair<std::string_view, const char*> kSelections[] = {
     {core::kSelectVariant, "Variant of the materials of a glTF file [default: none]"},
     {core::kSelectAnimation, "Animation of a glTF file [default: the first]"}};
 
-double parse_seconds(const std::string& text) {
+double parse_seconds(const std::string& flag, const std::string& text) {
   const char* end = text.data() + text.size();
   double seconds = 0;
   const auto [stopped, error] = std::from_chars(text.data(), end, seconds);
   constexpr double kMaxSeconds = 1e9;
   if (error != std::errc() || stopped != end || !(seconds >= 0 && seconds <= kMaxSeconds)) {
-    throw CLI::ValidationError("--animation-time",
-                               fmt::format("must be a number of seconds from 0; got '{}'", text));
+    throw CLI::ValidationError(flag, fmt::format("must be a number of seconds from 0; got '{}'", text));
   }
   return seconds;
 }
@@ -124,6 +124,13 @@ core::ToneCurve parse_tone_curve(const std::string& text) {
   return *curve;
 }
 
+// Most likely -o is missing before it. Empty for other files.
+std::string why_no_scene(const std::string& path) {
+  if (!core::image_format_from_path(path)) return "";
+  return fmt::format("{} is an image, and not a scene: give the scene file, and images to write by -o",
+                     core::in_quotes(path));
+}
+
 }  // namespace
 
 void add_scene_argument(CLI::App& command, SceneFlags& flags) {
@@ -134,7 +141,8 @@ void add_scene_argument(CLI::App& command, SceneFlags& flags) {
           ".json (Tessera's own), .gltf and .glb (glTF 2.0), .pbrt (pbrt-v4), .xml (Mitsuba 3), or a "
           "mesh: .obj, .ply, .stl")
       ->required()
-      ->transform(find_scene);
+      ->transform(find_scene)
+      ->check(why_no_scene);
 }
 
 void add_output_option(CLI::App& command, SceneFlags& flags) {
@@ -205,8 +213,8 @@ void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
           "Channels that .exr files have besides colours: all, none, or some of alpha (also in .png), "
           "direct, "
           "indirect, emission, environment, albedo, normal, depth, position, uv, object_index, "
-          "material_index, instance_index, crypto_object, crypto_material, crypto_asset, samples and "
-          "standard_error")
+          "material_index, instance_index, crypto_object, crypto_material, crypto_asset, samples, "
+          "standard_error, light_groups and group.NAME")
       ->type_name("NAME,...");
 }
 
@@ -234,14 +242,21 @@ void add_parameter_option(CLI::App& command, std::vector<core::ParameterOverride
             },
             help)
         ->type_name("NAME|N");
-  command
-      .add_option_function<std::string>(
-          fmt::format("--animation-{}", core::kSelectTime),
-          [&parameters](const std::string& text) {
-            parameters.push_back(core::select_time(parse_seconds(text)));
-          },
-          "Time of the animation of a glTF file [default: its beginning]")
-      ->type_name("SECONDS");
+  const auto add_seconds = [&](std::string_view what, const auto& select, const char* help) {
+    const std::string flag = fmt::format("--animation-{}", what);
+    command
+        .add_option_function<std::string>(
+            flag,
+            [&parameters, flag, select](const std::string& text) {
+              parameters.push_back(select(parse_seconds(flag, text)));
+            },
+            help)
+        ->type_name("SECONDS");
+  };
+  add_seconds(core::kSelectTime, core::select_time,
+              "Time of the animation of a glTF file [default: its beginning]");
+  add_seconds(core::kSelectShutter, core::select_shutter,
+              "How long the shutter is open from then on, for motion blur [default: 0]");
 }
 
 void add_display_options(CLI::App& command, core::DisplayOverrides& overrides) {

@@ -29,8 +29,8 @@ void add_output_option(CLI::App& command, SceneFlags& flags);
 // ends parsing with a sentence that names the flag.
 void add_override_options(CLI::App& command, core::RenderOverrides& overrides);
 
-// Adds -D, and the options that choose among what a file holds: --camera, --scene, --variant, --animation and
-// --animation-time, in the same way.
+// Adds -D, and the options that choose among what a file holds: --camera, --scene, --variant, --animation,
+// --animation-time and --animation-shutter, in the same way.
 void add_parameter_option(CLI::App& command, std::vector<core::ParameterOverride>& parameters);
 
 // Adds --exposure and --tone-curve in the same way.

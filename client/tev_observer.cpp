@@ -7,7 +7,7 @@
 #include <exception>
 #include <utility>
 
-#include "client/tev_packets.hpp"
+#include "core/film/develop.hpp"
 
 namespace tessera::client {
 namespace {
@@ -18,10 +18,12 @@ constexpr double kSecondsBetweenRounds = 0.1;
 }  // namespace
 
 TevObserver::TevObserver(std::string address, std::string image, Notices& notices)
-    : address_(std::move(address)), image_(std::move(image)), notices_(notices) {}
+    : address_(std::move(address)), image_{.name = std::move(image)}, notices_(notices) {}
 
 void TevObserver::begin(const core::Film& film, const core::RenderSettings&) {
   film_ = &film;
+  image_ = {std::move(image_.name), film.grid().width(), film.grid().height(),
+            core::image_channels(film.layers())};
   changed_.assign(static_cast<std::size_t>(film.grid().tile_count()), false);
   has_ended_ = false;
   thread_ = std::thread([this] {
@@ -77,8 +79,7 @@ bool TevObserver::connect() {
     return false;
   }
   tev_.emplace(std::move(*tev));
-  const core::Status created =
-      tev_->send(tev_create_image(image_, film_->grid().width(), film_->grid().height()));
+  const core::Status created = tev_->send(tev_create_image(image_));
   if (!created) disconnect(created.error());
   mark_all();
   return tev_.has_value();
@@ -126,8 +127,11 @@ core::Status TevObserver::send_tile(int tile) {
     sums = film_->tile(tile);
   }
   if (sums.samples == 0) return {};
-  return tev_->send(
-      tev_update_image(image_, rect.x0 - window.x0, rect.y0 - window.y0, core::develop_tile(rect, sums)));
+  std::vector<float> values(rect.pixel_count() * image_.channels.size());
+  core::develop_layers(film_->layers(), rect, sums, values);
+  const core::PixelRect in_image{rect.x0 - window.x0, rect.y0 - window.y0, rect.x1 - window.x0,
+                                 rect.y1 - window.y0};
+  return tev_->send(tev_update_image(image_, in_image, values));
 }
 
 }  // namespace tessera::client

@@ -13,12 +13,14 @@
 #include "client/notices.hpp"
 #include "client/render_observer.hpp"
 #include "client/tev_connection.hpp"
+#include "client/tev_packets.hpp"
 
 namespace tessera::client {
 
 class TevObserver : public RenderObserver {
  public:
-  // `image` is the name in tev. A missing or lost tev becomes a notice. `notices` must outlive the observer.
+  // `image` is the name in tev, which shows layers as channels. A missing or lost tev becomes a notice.
+  // `notices` must outlive the observer.
   TevObserver(std::string address, std::string image, Notices& notices);
 
   void begin(const core::Film& film, const core::RenderSettings& settings) override;
@@ -37,7 +39,8 @@ class TevObserver : public RenderObserver {
   void mark_all();
   core::Status send_tile(int tile);
 
-  const std::string address_, image_;
+  const std::string address_;
+  TevImage image_;
   Notices& notices_;
   const core::Film* film_ = nullptr;
   std::mutex film_mutex_;

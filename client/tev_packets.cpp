@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/tev_packets.hpp"
 
-#include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
@@ -12,11 +11,9 @@ namespace tessera::client {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
-static_assert(sizeof(core::Rgb) == 3 * sizeof(float));
 
 constexpr std::uint8_t kCreateImage = 4, kUpdateImageV3 = 6;
 constexpr std::uint8_t kNoFocus = 0;  // the image does not become the selected one
-constexpr std::array<const char*, 3> kChannels{"R", "G", "B"};
 
 class Packet {
  public:
@@ -35,9 +32,9 @@ class Packet {
     bytes_ += '\0';
   }
   void append(const void* data, std::size_t size) { bytes_.append(static_cast<const char*>(data), size); }
-  void channels() {
-    number(static_cast<std::int32_t>(kChannels.size()));
-    for (const char* name : kChannels) text(name);
+  void channels(const std::vector<std::string>& names) {
+    number(static_cast<std::int32_t>(names.size()));
+    for (const std::string& name : names) text(name);
   }
 
   std::string finish() && {
@@ -52,21 +49,23 @@ class Packet {
 
 }  // namespace
 
-std::string tev_create_image(const std::string& name, int width, int height) {
-  Packet packet(kCreateImage, name);
-  packet.number(std::int32_t{width});
-  packet.number(std::int32_t{height});
-  packet.channels();
+std::string tev_create_image(const TevImage& image) {
+  Packet packet(kCreateImage, image.name);
+  packet.number(std::int32_t{image.width});
+  packet.number(std::int32_t{image.height});
+  packet.channels(image.channels);
   return std::move(packet).finish();
 }
 
-std::string tev_update_image(const std::string& name, int x, int y, const core::Image& pixels) {
-  Packet packet(kUpdateImageV3, name);
-  packet.channels();
-  for (const int value : {x, y, pixels.width, pixels.height}) packet.number(std::int32_t{value});
-  for (std::int64_t offset = 0; offset < 3; ++offset) packet.number(offset);
-  for (int channel = 0; channel < 3; ++channel) packet.number(std::int64_t{3});  // strides
-  packet.append(pixels.pixels.data(), pixels.pixels.size() * sizeof(core::Rgb));
+std::string tev_update_image(const TevImage& image, const core::PixelRect& rect,
+                             std::span<const float> values) {
+  Packet packet(kUpdateImageV3, image.name);
+  packet.channels(image.channels);
+  for (const int value : {rect.x0, rect.y0, rect.width(), rect.height()}) packet.number(std::int32_t{value});
+  const auto channels = static_cast<std::int64_t>(image.channels.size());
+  for (std::int64_t offset = 0; offset < channels; ++offset) packet.number(offset);
+  for (std::int64_t channel = 0; channel < channels; ++channel) packet.number(channels);  // strides
+  packet.append(values.data(), values.size_bytes());
   return std::move(packet).finish();
 }
 

@@ -4,17 +4,28 @@
 // functions.
 #pragma once
 
+#include <span>
 #include <string>
+#include <vector>
 
 #include "core/film/region.hpp"
-#include "core/image/image.hpp"
 
 namespace tessera::client {
 
-// CreateImage (4): a black image with the channels R, G and B. It replaces an image of the same name.
-std::string tev_create_image(const std::string& name, int width, int height);
+// An image in tev.
+struct TevImage {
+  std::string name{};
+  int width = 0, height = 0;
+  // "R", "Normal.X": tev shows those with the same beginning as a layer.
+  std::vector<std::string> channels{};
+};
 
-// UpdateImage, version 3 (6): these pixels, whose top left has the coordinates (x, y) in the image.
-std::string tev_update_image(const std::string& name, int x, int y, const core::Image& pixels);
+// CreateImage (4): a black image. It replaces an image of the same name.
+std::string tev_create_image(const TevImage& image);
+
+// UpdateImage, version 3 (6): the pixels of a rectangle of the image. `values`: of each pixel, row by row,
+// those of its channels side by side.
+std::string tev_update_image(const TevImage& image, const core::PixelRect& rect,
+                             std::span<const float> values);
 
 }  // namespace tessera::client

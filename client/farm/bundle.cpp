@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/printable.hpp"
+#include "core/scene/light_groups.hpp"
 #include "core/scene/loader/asset_source.hpp"
 #include "core/scene/loader/loader.hpp"
 #include "core/scene/pose.hpp"
@@ -64,7 +65,7 @@ core::Result<LocalBundle> bundle_scene(const std::string& scene_path, const Scen
     if (const core::Status fit = proto::check_text("the name of a file", path, proto::kMaxPathBytes); !fit)
       return fail(fit.error().within(scene_path));
   }
-  const auto settings = core::resolve_settings(scene->settings, choice.overrides);
+  const auto settings = core::resolve_settings(*scene, choice.overrides);
   if (!settings) return fail(settings.error().within(scene_path));
   if (const core::Status valid = core::validate_scene(*scene); !valid)
     return fail(valid.error().within(scene_path));

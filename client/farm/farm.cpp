@@ -107,4 +107,11 @@ core::Error Farm::explain(const grpc::Status& status, const grpc::ClientContext&
   return error;
 }
 
+core::Result<bool> has_feature(Farm& farm, std::string_view feature) {
+  const auto info = farm.call(&Farm::Stub::GetServerInfo, v1::GetServerInfoRequest());
+  if (info) return std::ranges::count(info->features(), feature) > 0;
+  if (info.error().code == core::ErrorCode::kFailedPrecondition) return false;  // an early release
+  return core::fail(info.error());
+}
+
 }  // namespace tessera::client

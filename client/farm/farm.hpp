@@ -15,6 +15,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include "client/farm/interruption.hpp"
 #include "client/interrupt.hpp"
@@ -129,6 +130,9 @@ class Farm {
   core::Mutex mutex_;
   std::set<std::string> told_reasons_ TESSERA_GUARDED_BY(mutex_);  // numbers removed
 };
+
+// Whether the coordinator has a feature of GetServerInfo; one without that call has none.
+core::Result<bool> has_feature(Farm& farm, std::string_view feature);
 
 // Repeats `attempt`, a step of a longer task, while the coordinator restarts or asks to wait, until the
 // farm's patience has passed since the last attempt with progress. Attempts report progress by setting

@@ -73,13 +73,33 @@ core::Result<v1::Job> submit_job(Farm& farm, const Submission& submission, const
   return job;
 }
 
-bool has_worker(Farm& farm) {
+// A coordinator of an earlier release would ignore the layers, and render the rest.
+core::Status check_features(Farm& farm, const core::RenderSettings& settings) {
+  if (settings.layers.empty()) return {};
+  const auto has_layers = has_feature(farm, "layers");
+  if (!has_layers) return core::fail(has_layers.error());
+  if (*has_layers) return {};
+  return core::fail(core::ErrorCode::kFailedPrecondition,
+                    fmt::format("the coordinator at {} is of an earlier release, which renders no layers: "
+                                "update it, or submit the job without them (--layers none)",
+                                farm.address()));
+}
+
+std::string lack_of_workers(Farm& farm, const core::RenderSettings& settings) {
   constexpr std::uint32_t kEnough = 100;  // among which one is connected, if any is
   v1::ListWorkersRequest request;
   request.set_page_size(kEnough);
   const auto page = farm.call(&Farm::Stub::ListWorkers, request);
-  return !page || std::any_of(page->workers().begin(), page->workers().end(),
-                              [](const v1::Worker& worker) { return !worker.silent(); });
+  if (!page) return "";
+  const auto is_connected = [](const v1::Worker& worker) { return !worker.silent(); };
+  if (std::ranges::none_of(page->workers(), is_connected))
+    return fmt::format("no worker is connected; the job waits for one: tessera-worker --coordinator {}",
+                       farm.address());
+  const auto suffices = [&](const v1::Worker& worker) {
+    return is_connected(worker) && (worker.renders_layers() || settings.layers.empty());
+  };
+  if (!page->next_page_token().empty() || std::ranges::any_of(page->workers(), suffices)) return "";
+  return "no connected worker renders layers; the job waits for one: update the workers";
 }
 
 }  // namespace tessera::client

@@ -28,7 +28,11 @@ struct Submission {
 // warnings about the scene that are not among the bundle's. INVALID_ARGUMENT: the farm rejects the scene.
 core::Result<v1::Job> submit_job(Farm& farm, const Submission& submission, const LocalBundle& local);
 
-// Whether a worker is connected; also true if that is not known.
-bool has_worker(Farm& farm);
+// FAILED_PRECONDITION: the coordinator does not know what a job with these settings needs.
+core::Status check_features(Farm& farm, const core::RenderSettings& settings);
+
+// Why no connected worker can render a job with these settings, and what to do. Empty if one can, or if that
+// is not known.
+std::string lack_of_workers(Farm& farm, const core::RenderSettings& settings);
 
 }  // namespace tessera::client

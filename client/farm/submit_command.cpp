@@ -140,6 +140,7 @@ int run_submit(const SubmitOptions& options) {
   const auto opened = Farm::open(farm_options);
   if (!opened) return print_error(opened.error());
   Farm& farm = **opened;
+  if (core::Status known = check_features(farm, local->settings); !known) return print_error(known.error());
   const Submission submission{.overrides = options.scene.overrides,
                               .display = options.scene.display,
                               .name = options.name,
@@ -149,9 +150,7 @@ int run_submit(const SubmitOptions& options) {
   const auto job = submit_job(farm, submission, *local);
   if (!job) return print_error(job.error());
   print_result(options.json ? to_json_line(*job) : core::printable(job->id()) + "\n");
-  if (!has_worker(farm))
-    print_note(fmt::format("no worker is connected; the job waits for one: tessera-worker --coordinator {}",
-                           farm.address()));
+  if (const std::string lack = lack_of_workers(farm, local->settings); !lack.empty()) print_note(lack);
   return options.wait ? wait_and_fetch(farm, options, *job) : kExitOk;
 }
 

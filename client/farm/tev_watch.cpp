@@ -2,6 +2,7 @@
 #include "client/farm/tev_watch.hpp"
 
 #include <chrono>
+#include <cstddef>
 #include <stop_token>
 #include <utility>
 
@@ -9,12 +10,15 @@
 #include "client/farm/tile_image.hpp"
 #include "client/tev_connection.hpp"
 #include "client/tev_packets.hpp"
+#include "core/view/tile_pixels.hpp"
 #include "proto/convert.hpp"
 
 namespace tessera::client {
 namespace {
 
 constexpr std::chrono::milliseconds kLookEvery{50};
+// A coordinator that sends a larger one is not believed: that is 32 MiB.
+constexpr std::size_t kMaxTileValues = std::size_t{1} << 23;
 
 // One connection to tev and the stream that feeds it.
 class TileFeed {
@@ -26,11 +30,13 @@ class TileFeed {
   core::Status run() {
     auto tev = TevConnection::open(address_);
     if (!tev) return core::fail(tev.error());
+    const auto format = best_format();
+    if (!format) return core::fail(format.error());
     grpc::ClientContext context;
     const std::jthread canceller = cancel_when_stopped(context);
     v1::WatchTilesRequest request;
     request.set_job_id(job_id_);
-    request.set_format(v1::TILE_FORMAT_RGB32F);
+    request.set_format(*format);
     const auto stream = farm_.stub().WatchTiles(&context, request);
     v1::WatchTilesResponse response;
     core::Status sent;
@@ -43,6 +49,13 @@ class TileFeed {
   }
 
  private:
+  // With all layers, if the coordinator knows any.
+  core::Result<v1::TileFormat> best_format() {
+    const auto has_layers = has_feature(farm_, "layers");
+    if (!has_layers) return core::fail(has_layers.error());
+    return *has_layers ? v1::TILE_FORMAT_ALL32F : v1::TILE_FORMAT_RGB32F;
+  }
+
   std::jthread cancel_when_stopped(grpc::ClientContext& context) const {
     return std::jthread([&context, stop = stop_](const std::stop_token& done) {
       while (!done.stop_requested() && !stop.stop_requested() && !interrupted())
@@ -52,24 +65,31 @@ class TileFeed {
   }
 
   core::Status show(const v1::WatchTilesResponse& response, TevConnection& tev) {
-    if (response.has_job()) {
-      const core::PixelRect window = proto::window_of(response.job().settings());
-      if (window.empty()) return {};  // the scene is not validated yet
-      if (std::exchange(window_, window) != window) {
-        image_ = "job " + short_id(job_id_);
-        core::Status created = tev.send(tev_create_image(image_, window.width(), window.height()));
-        if (!created) return created;
-      }
-    }
-    for (const v1::TileImage& tile : response.tiles()) {
-      const auto read = read_tile(tile, window_, view::PixelFormat::kFloat);
-      if (!read) return core::fail(read.error());
-      const auto& [rect, pixels] = *read;
-      core::Status sent =
-          tev.send(tev_update_image(image_, rect.x0 - window_.x0, rect.y0 - window_.y0, pixels));
-      if (!sent) return sent;
-    }
+    if (response.has_job()) window_ = proto::window_of(response.job().settings());
+    if (response.tiles().empty()) return {};
+    if (image_.name.empty())
+      if (core::Status created = create(response, tev); !created) return created;
+    for (const v1::TileImage& tile : response.tiles())
+      if (core::Status sent = send(tile, tev); !sent) return sent;
     return {};
+  }
+
+  core::Status create(const v1::WatchTilesResponse& response, TevConnection& tev) {
+    image_ = {"job " + short_id(job_id_), window_.width(), window_.height(), {"R", "G", "B"}};
+    if (!response.channels().empty())
+      image_.channels = {response.channels().begin(), response.channels().end()};
+    return tev.send(tev_create_image(image_));
+  }
+
+  core::Status send(const v1::TileImage& tile, TevConnection& tev) const {
+    const auto rect = rect_in_window(tile, window_);
+    if (!rect) return core::fail(rect.error());
+    const std::size_t count = rect->pixel_count() * image_.channels.size();
+    if (count > kMaxTileValues)
+      return core::fail(core::ErrorCode::kDataLoss, "a tile of the coordinator is too large");
+    const auto values = view::decode_channels(tile.pixels_zlib(), count);
+    if (!values) return core::fail(values.error());
+    return tev.send(tev_update_image(image_, *rect, *values));
   }
 
   Farm& farm_;
@@ -77,7 +97,7 @@ class TileFeed {
   const std::string& address_;
   const std::stop_token stop_;
   core::PixelRect window_;
-  std::string image_;
+  TevImage image_;  // without a name before there are tiles
 };
 
 }  // namespace

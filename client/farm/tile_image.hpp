@@ -10,18 +10,12 @@
 
 namespace tessera::client {
 
-struct ReceivedTile {
-  core::PixelRect rect;  // in pixels of the whole image
-  core::Image pixels;    // of its size
-};
+// Where a tile lies, in pixels of `window`, the part of the whole image that is rendered. DATA_LOSS: it is
+// not within that.
+core::Result<core::PixelRect> rect_in_window(const v1::TileImage& tile, const core::PixelRect& window);
 
-// DATA_LOSS: the tile is not within `window`, the part of the whole image that is rendered, or its pixels are
+// Writes the pixels of a tile in TILE_FORMAT_RGB16F into the image of `window`. DATA_LOSS also if they are
 // damaged.
-core::Result<ReceivedTile> read_tile(const v1::TileImage& tile, const core::PixelRect& window,
-                                     view::PixelFormat format);
-
-// Writes the pixels of a tile in TILE_FORMAT_RGB16F into the image of `window`. Errors are those of
-// read_tile().
 core::Status paint_tile(const v1::TileImage& tile, const core::PixelRect& window, core::Image& image);
 
 }  // namespace tessera::client

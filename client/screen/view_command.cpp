@@ -6,10 +6,10 @@
 #include <memory>
 
 #include "client/console.hpp"
+#include "client/image_layers.hpp"
 #include "client/scene_flags.hpp"
 #include "client/screen/image_facts.hpp"
 #include "client/screen/screen.hpp"
-#include "core/image/decode.hpp"
 
 namespace tessera::client {
 
@@ -30,9 +30,10 @@ CLI::App* add_view_options(CLI::App& app, const std::string& what, ViewOptions& 
           "auto asks the terminal [default: auto]")
       ->type_name("auto|blocks|kitty|sixel");
   command
-      ->add_option("--layer", options.layer,
-                   "Show this layer of an .exr file, such as Normal or Direct, or one channel, such as "
-                   "Depth.Z; or of a job, such as normal")
+      ->add_option(
+          "--layer", options.layer,
+          "Show this layer of an .exr file or of a job, such as normal; of a file also by the name in "
+          "it, such as DiffCol, or one channel, such as Normal.X")
       ->type_name("NAME");
   command->add_flag("--json", options.json,
                     "Print the size of the image and the least, mean and greatest linear values of its "
@@ -41,7 +42,9 @@ CLI::App* add_view_options(CLI::App& app, const std::string& what, ViewOptions& 
 }
 
 int view_file(const ViewOptions& options) {
-  const auto image = core::read_image(options.image, options.layer);
+  const auto file = ImageFile::read(options.image);
+  if (!file) return print_error(file.error());
+  const auto image = file->decode(options.layer);
   if (!image) return print_error(image.error());
   if (options.json) {
     print_result(image_facts(options.image, *image)

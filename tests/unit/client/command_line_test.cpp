@@ -12,7 +12,9 @@
 
 #include "core/image/decode.hpp"
 #include "core/image/encode.hpp"
+#include "core/image/exr_header.hpp"
 #include "core/image/file_io.hpp"
+#include "core/scene/render_record.hpp"
 #include "tests/unit/client/process.hpp"
 
 namespace tessera::client {
@@ -181,6 +183,17 @@ TEST_F(CommandLine, MistakesInTheCommandLineExitWith2) {
   EXPECT_THAT(names(), UnorderedElementsAre("scene.json"));
 }
 
+TEST_F(CommandLine, AnImageIsNoScene) {
+  write("a.png", "");
+  for (const char* const image : {"a.png", "missing.exr"}) {
+    const ProcessResult result = run_tessera({"render", path(image)});
+    EXPECT_EQ(result.exit_status, 2);
+    EXPECT_THAT(result.err, HasSubstr("SCENE: '" + path(image) +
+                                      "' is an image, and not a scene: give the scene "
+                                      "file, and images to write by -o"));
+  }
+}
+
 TEST_F(CommandLine, FailuresExitWith1AndLeaveNoPicture) {
   write("broken.json", "{");
   const std::vector<std::vector<std::string>> failures = {
@@ -227,6 +240,47 @@ TEST_F(CommandLine, CompareSpeaksJson) {
   EXPECT_EQ(json["identical"], true);
   EXPECT_EQ(json["mse"], 0.0);
   EXPECT_TRUE(json["psnr_db"].is_null());
+}
+
+TEST_F(CommandLine, CompareLooksAtLayersOneByOne) {
+  ASSERT_EQ(render({"-o", path("a.exr"), "--layers", "normal,alpha,crypto_object"}).exit_status, 0);
+  ASSERT_EQ(render({"-o", path("b.exr"), "--layers", "normal,alpha,depth", "--spp", "9"}).exit_status, 0);
+  const auto compare = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"compare", path("a.exr"), path("b.exr"), "--layer"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_tessera(arguments);
+  };
+  EXPECT_EQ(run_tessera({"compare", path("a.exr"), path("a.exr"), "--layer", "all"}).exit_status, 0);
+  const ProcessResult all = compare({"all"});
+  EXPECT_EQ(all.exit_status, 1);
+  EXPECT_THAT(all.out, StartsWith("different\n(beauty)"));
+  EXPECT_THAT(all.out, AllOf(HasSubstr("\nNormal            largest difference "),
+                             HasSubstr("\nCryptoObject00.a  only in " + path("a.exr"))));
+  EXPECT_THAT(all.out, HasSubstr("\nDepth             only in " + path("b.exr")));
+  const nlohmann::json json = nlohmann::json::parse(compare({"all", "--json"}).out);
+  EXPECT_EQ(json["identical"], false);
+  EXPECT_EQ(json["layers"][0]["layer"], "");
+  EXPECT_EQ(json["layers"][0]["identical"], false);
+  EXPECT_EQ(json["layers"].back()["only_in"], path("b.exr"));
+  EXPECT_EQ(compare({"normal"}).out, compare({"Normal"}).out) << "by the name in scene files as well";
+  const ProcessResult unknown = compare({"Nromal"});
+  EXPECT_EQ(unknown.exit_status, 2);
+  EXPECT_THAT(unknown.err, AllOf(HasSubstr("has no layer or channel 'Nromal'; did you mean 'Normal'?"),
+                                 HasSubstr("Its layers are 'A', 'CryptoObject00")));
+}
+
+TEST_F(CommandLine, LightGroupsAreLayersByEitherName) {
+  write("groups.json", R"({"render": {"width": 8, "height": 8, "spp": 2},
+    "camera": {"position": [0, 0, 3], "look_at": [0, 0, 0]}, "materials": {"clay": {"type": "lambert"}},
+    "lights": [{"type": "directional", "direction": [0, 0, -1], "irradiance": 3, "group": "key"}],
+    "shapes": [{"type": "sphere", "radius": 1, "material": "clay"}]})");
+  const std::string image = path("groups.exr");
+  ASSERT_EQ(run_tessera({"render", path("groups.json"), "--layers", "light_groups", "-o", image}).exit_status,
+            0);
+  for (const char* name : {"group.key", "Combined_key"})
+    EXPECT_EQ(run_tessera({"compare", image, image, "--layer", name}).exit_status, 0) << name;
+  EXPECT_THAT(run_tessera({"compare", image, image, "--layer", "group.fill"}).err,
+              HasSubstr("has no layer or channel 'group.fill'; its layers are 'Combined_key'"));
 }
 
 TEST_F(CommandLine, CompareTakesARegion) {
@@ -346,8 +400,11 @@ TEST_F(CommandLine, AWindowIsThosePixelsOfTheWholePicture) {
                                        {".exr", core::ImageFormat::kExr},
                                        {".pfm", core::ImageFormat::kPfm}}) {
     const core::ImagePosition window{20, 7, whole->width, whole->height};
-    EXPECT_TRUE(read(std::string("part") + ending) == core::encode_image(part, format, {}, window).value())
-        << ending;
+    const std::string bytes = read(std::string("part") + ending);
+    core::TextAttributes record;  // of OpenEXR files
+    if (const auto texts = core::exr_texts(bytes)) record.assign(texts->begin(), texts->end());
+    EXPECT_EQ(record.empty(), format != core::ImageFormat::kExr);
+    EXPECT_TRUE(bytes == core::encode_image(part, format, {}, window, record).value()) << ending;
   }
 }
 
@@ -431,6 +488,39 @@ TEST_F(CommandLine, ImportReportsEachPlace) {
   const auto report = run_tessera({"import", path("room.xml"), "--report"});
   EXPECT_THAT(report.out, HasSubstr("room.xml:4: " + told + "\n"));
   EXPECT_THAT(report.out, HasSubstr("room.xml:5: " + told + "\n"));
+}
+
+TEST_F(CommandLine, InfoTellsWhatMoves) {
+  write("moving.pbrt", R"(Camera "perspective" "float shutteropen" 0 "float shutterclose" 0.5
+WorldBegin
+ActiveTransform EndTime Translate 1 0 0 ActiveTransform All
+Shape "sphere")");
+  const auto info = run_tessera({"info", path("moving.pbrt")});
+  EXPECT_THAT(info.out, HasSubstr("motion      shutter 0 to 0.5 frames, 1 instances\n")) << info.err;
+  const auto json = nlohmann::json::parse(run_tessera({"info", path("moving.pbrt"), "--json"}).out);
+  EXPECT_EQ(json["motion"], nlohmann::json::parse(R"({"instances": 1, "shutter": [0, 0.5]})"));
+  write("room.xml", kTwoSensors);
+  EXPECT_THAT(run_tessera({"info", path("room.xml")}).out, testing::Not(HasSubstr("motion")));
+}
+
+// The same for all commands that take a scene.
+TEST_F(CommandLine, RefusesParametersThatNothingUses) {
+  write("room.xml", R"(<scene version="3.0.0"><default name="radius" value="1"/>
+<shape type="sphere"><float name="radius" value="$radius"/></shape></scene>)");
+  const std::vector<std::vector<std::string>> commands{
+      {"info", path("room.xml")},
+      {"import", path("room.xml"), "--report"},
+      {"render", path("room.xml"), "-o", path("room.png"), "-q"}};
+  for (std::vector<std::string> command : commands) {
+    command.insert(command.end(), {"-D", "raduis=2"});
+    const auto run = run_tessera(command);
+    EXPECT_EQ(run.exit_status, 1) << command[0];
+    EXPECT_THAT(run.err,
+                HasSubstr("room.xml: raduis: nothing in the scene uses a parameter of this name; did you "
+                          "mean 'radius'?"))
+        << command[0];
+  }
+  EXPECT_EQ(run_tessera({"info", path("room.xml"), "-D", "radius=2"}).exit_status, 0);
 }
 
 TEST_F(CommandLine, InfoListsFilesThatAreMissing) {

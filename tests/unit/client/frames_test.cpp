@@ -111,13 +111,13 @@ TEST_F(RenderedFrames, WithoutANumberAreFrameZero) {
 
 TEST_F(RenderedFrames, CanHaveParametersReplaced) {
   const std::string still = "shapes[0].transform=[]";
-  ASSERT_EQ(render({"-o", path("moved.exr"), "-D", still, "-D", "camera.position=[1, 0, 5]", "-D",
+  ASSERT_EQ(render({"-o", path("moved.pfm"), "-D", still, "-D", "camera.position=[1, 0, 5]", "-D",
                     "render.integrator=nee"})
                 .exit_status,
             0);
   ASSERT_EQ(
-      render({"-o", path("third.exr"), "--frames", "3", "--integrator", "nee", "-D", still}).exit_status, 0);
-  EXPECT_TRUE(bytes("moved.exr") == bytes("third.exr"));
+      render({"-o", path("third.pfm"), "--frames", "3", "--integrator", "nee", "-D", still}).exit_status, 0);
+  EXPECT_TRUE(bytes("moved.pfm") == bytes("third.pfm"));
   const ProcessResult wrong = render({"-o", path("wrong.exr"), "-D", "camera.positon=3"});
   EXPECT_EQ(wrong.exit_status, 1);
   EXPECT_THAT(wrong.err, HasSubstr("camera: unknown key 'positon'; did you mean 'position'?"));

@@ -50,13 +50,25 @@ TEST_F(Rerender, GivesTheSameBytesFromTheSceneBesideTheImage) {
   EXPECT_TRUE(read_file(path("a.exr")) == read_file(path("b.exr")));
 }
 
-TEST_F(Rerender, RefusesAnotherSceneAndPlainImages) {
+TEST_F(Rerender, TakesImagesWithoutLayers) {
+  render({"-o", path("plain.exr"), "--spp", "3", "--seed", "7", "--size", "20x16"});
+  const ProcessResult result = rerender({path("plain.exr"), "-o", path("b.exr")});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_TRUE(read_file(path("plain.exr")) == read_file(path("b.exr")));
+}
+
+TEST_F(Rerender, RefusesAnotherSceneAndImagesOfOtherPrograms) {
   render({"-o", path("a.exr"), "-o", path("a.png"), "--spp", "1", "--size", "16x16", "--layers", "alpha"});
-  render({"-o", path("plain.exr"), "--spp", "1", "--size", "16x16"});
+  write_file(path("plain.exr"), *core::encode_image(core::Image(4, 4), core::ImageFormat::kExr));
   const ProcessResult plain = rerender({path("plain.exr"), "-o", path("b.exr")});
   EXPECT_EQ(plain.exit_status, 1);
-  EXPECT_THAT(plain.err, HasSubstr("does not say how it was rendered"));
-  EXPECT_THAT(rerender({path("a.png"), "-o", path("b.exr")}).err, HasSubstr("is no OpenEXR image"));
+  EXPECT_THAT(
+      plain.err,
+      HasSubstr("'" + path("plain.exr") +
+                "' does not say how it was rendered: only OpenEXR images that Tessera has rendered do"));
+  const std::string png = rerender({path("a.png"), "-o", path("b.exr")}).err;
+  EXPECT_THAT(
+      png, testing::AllOf(HasSubstr("is no OpenEXR image ("), HasSubstr("only those say how")));
   const ProcessResult moved = rerender({path("a.exr"), "-D", "camera.position=[0,0,5]", "-o", path("b.exr")});
   EXPECT_EQ(moved.exit_status, 1);
   EXPECT_THAT(moved.err, HasSubstr("is not the scene that the image was rendered from"));

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -11,6 +13,7 @@
 #include "client/local_render.hpp"
 #include "client/tev_observer.hpp"
 #include "client/tev_packets.hpp"
+#include "core/film/develop.hpp"
 #include "tests/support/fake_tev.hpp"
 #include "tests/support/test_scenes.hpp"
 
@@ -28,12 +31,12 @@ std::string bytes(std::initializer_list<int> values) {
 
 // The bytes of the protocol, written out.
 TEST(TevPackets, AreThoseOfTheProtocol) {
-  EXPECT_EQ(tev_create_image("ab", 3, 258), bytes({27, 0, 0, 0, 4, 0, 'a', 'b', 0, 3,   0, 0,   0, 2,
-                                                   1,  0, 0, 3, 0, 0, 0,   'R', 0, 'G', 0, 'B', 0}));
-  core::Image pixel(1, 1);
-  pixel.at(0, 0) = {1, 2, -0.5f};
+  EXPECT_EQ(
+      tev_create_image({"ab", 3, 258, {"R", "G", "B"}}),
+      bytes({27, 0, 0, 0, 4, 0, 'a', 'b', 0, 3, 0, 0, 0, 2, 1, 0, 0, 3, 0, 0, 0, 'R', 0, 'G', 0, 'B', 0}));
+  const std::array<float, 3> pixel{1, 2, -0.5f};
   const std::string strides = bytes({3, 0, 0, 0, 0, 0, 0, 0});
-  EXPECT_EQ(tev_update_image("a", 5, 6, pixel),
+  EXPECT_EQ(tev_update_image({"a", 9, 9, {"R", "G", "B"}}, {5, 6, 6, 7}, pixel),
             bytes({94, 0, 0, 0, 6, 0, 'a', 0, 3, 0, 0, 0, 'R', 0, 'G', 0, 'B', 0}) +
                 bytes({5, 0, 0, 0, 6, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}) +
                 bytes({0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0}) + strides +
@@ -72,6 +75,23 @@ TEST_F(TevTest, ShowsTheImageToTheBit) {
   viewer.wait_for_end();
   EXPECT_TRUE(viewer.images()["out.exr"].pixels == film.develop().pixels);
   EXPECT_THAT(notices_.take(), testing::IsEmpty());
+}
+
+TEST_F(TevTest, ShowsLayersAsChannels) {
+  settings_.layers = core::LayerSet().with(core::Layer::kNormal).with(core::Layer::kDepth);
+  test::FakeTev viewer;
+  SharedFilm film(core::TileGrid(settings_.window(), core::kTilePx), settings_.layers);
+  TevObserver tev(viewer.address(), "out.exr", notices_);
+  render(film, tev);
+  viewer.wait_for_end();
+  const auto shown = viewer.all()["out.exr"];
+  EXPECT_THAT(shown.channels, ElementsAre("R", "G", "B", "Normal.X", "Normal.Y", "Normal.Z", "Depth.Z"));
+  core::LayerRows rows(film.grid(), settings_.layers, [&](int tile) { return film.tile(tile); });
+  for (int y = 0; y < shown.height; ++y) {
+    const std::size_t count = static_cast<std::size_t>(shown.width) * shown.channels.size();
+    const float* const row = shown.values.data() + static_cast<std::size_t>(y) * count;
+    ASSERT_TRUE(std::equal(row, row + count, *rows.row(y))) << "row " << y;
+  }
 }
 
 TEST_F(TevTest, AViewerThatIsLostIsWarnedOfOnce) {

@@ -19,6 +19,7 @@
 
 #include "client/farm/bundle.hpp"
 #include "client/farm/picture_download.hpp"
+#include "client/farm/submission.hpp"
 #include "client/farm/upload.hpp"
 #include "client/farm/watching.hpp"
 #include "proto/status.hpp"
@@ -81,6 +82,21 @@ class BusyService final : public v1::RenderService::Service {
     return grpc::Status::OK;
   }
 
+  grpc::Status GetServerInfo(grpc::ServerContext*, const v1::GetServerInfoRequest*,
+                             v1::GetServerInfoResponse* response) override {
+    if (features.empty()) return {grpc::StatusCode::UNIMPLEMENTED, ""};
+    response->mutable_features()->Add(features.begin(), features.end());
+    return grpc::Status::OK;
+  }
+
+  grpc::Status ListWorkers(grpc::ServerContext*, const v1::ListWorkersRequest*,
+                           v1::ListWorkersResponse* response) override {
+    *response = workers;
+    return grpc::Status::OK;
+  }
+
+  v1::ListWorkersResponse workers;
+  std::vector<std::string> features;
   int refusals = 0;
   grpc::StatusCode code = grpc::StatusCode::RESOURCE_EXHAUSTED;
   std::string pushback = "1";
@@ -172,6 +188,35 @@ TEST_F(FarmCalls, ForPicturesOfAJobThatRunsAgainWriteNothing) {
   ASSERT_TRUE(job) << job.error().message;
   EXPECT_EQ(job->state(), v1::JOB_STATE_DONE);
   EXPECT_TRUE(std::filesystem::exists(path));
+}
+
+TEST_F(FarmCalls, OfJobsWithLayersNeedACoordinatorThatKnowsThem) {
+  core::RenderSettings settings;
+  EXPECT_TRUE(check_features(*farm_, settings)) << "without layers, nothing is asked";
+  settings.layers = core::LayerSet().with(core::Layer::kNormal);
+  const std::string refusal = check_features(*farm_, settings).error().message;
+  EXPECT_THAT(refusal, HasSubstr(address_ + " is of an earlier release, which renders no layers: "
+                                            "update it, or submit the job without them (--layers none)"));
+  service_.features = {"images"};
+  EXPECT_EQ(check_features(*farm_, settings).error().code, ErrorCode::kFailedPrecondition);
+  service_.features = {"images", "layers"};
+  EXPECT_TRUE(check_features(*farm_, settings));
+}
+
+TEST_F(FarmCalls, OfJobsWithLayersTellThatNoWorkerRendersThem) {
+  core::RenderSettings plain, layered;
+  layered.layers = core::LayerSet().with(core::Layer::kNormal);
+  v1::Worker& silent = *service_.workers.add_workers();
+  silent.set_silent(true);
+  silent.set_renders_layers(true);
+  EXPECT_EQ(lack_of_workers(*farm_, plain),
+            "no worker is connected; the job waits for one: tessera-worker --coordinator " + address_);
+  v1::Worker& old = *service_.workers.add_workers();
+  EXPECT_EQ(lack_of_workers(*farm_, plain), "");
+  EXPECT_EQ(lack_of_workers(*farm_, layered),
+            "no connected worker renders layers; the job waits for one: update the workers");
+  old.set_renders_layers(true);
+  EXPECT_EQ(lack_of_workers(*farm_, layered), "");
 }
 
 // A restarted coordinator has forgotten the previous answer.
