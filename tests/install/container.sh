@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # container.sh PACKAGES ROOT SOURCE: builds the last stage of deploy/container/Dockerfile with the packages of the folder
 # PACKAGES, instead of those that its first stage compiles, on the root of the tar file ROOT, instead of an image of
-# Debian. Looks at the image, runs the coordinator of compose.yaml in it, with its environment, and asks for its health.
+# Debian. Looks at the image, runs coordinator and worker of compose.yaml in it, with their environment, asks for their
+# health, and renders an image as its client does.
 # Exit status 77 without buildah or the root.
 set -euo pipefail
 
@@ -86,7 +87,9 @@ environment_of() {
   python3 - "$source/deploy/container/compose.yaml" "$1" <<'END'
 import sys, yaml
 service = yaml.safe_load(open(sys.argv[1]))["services"][sys.argv[2]]
-assert service["command"] == ["tessera-" + sys.argv[2]] and service["read_only"] and service["cap_drop"] == ["ALL"], service
+program = service["entrypoint"] if sys.argv[2] == "client" else service["command"]
+assert program == [{"client": "tessera"}.get(sys.argv[2], "tessera-" + sys.argv[2])], service
+assert service["read_only"] and service["cap_drop"] == ["ALL"], service
 for name, value in service["environment"].items():
     print(f"{name}={value}")
 END
@@ -95,7 +98,8 @@ mapfile -t of_worker < <(environment_of worker)
 [ ${#of_worker[@]} -ge 2 ] || fail "compose.yaml has no environment for the worker"
 quiet "the worker with the environment of compose.yaml" "${container[@]}" "${of_worker[@]}" tessera-worker --help
 
-# In a network of its own, so that its ports are free.
+# In a network of its own, so that its ports are free. The name of the coordinator is that of the loopback.
+echo '127.0.0.1 localhost coordinator' >"$mounted/etc/hosts"
 mapfile -t of_coordinator < <(environment_of coordinator)
 # shellcheck disable=SC2016  # for the inner shell
 unshare --net bash -c 'ip link set lo up && exec "$@"' - \
@@ -112,3 +116,14 @@ health() {
 for ((i = 0; i < 600; ++i)); do health >/dev/null 2>&1 && break; sleep 0.1; done
 health || { cat "$work/coordinator.log" >&2; fail "the coordinator is not healthy"; }
 ! health 1 2>/dev/null || fail "the health check never fails"
+
+# inside ARGUMENT...: runs it in the network of the coordinator. With the worker, whose metrics need another port there.
+inside() { nsenter --target "$(pgrep -P "$outer" -x tessera-coordin)" --net "${container[@]}" "$@"; }
+inside "${of_worker[@]}" TESSERA_WORKER_METRICS=127.0.0.1:9465 tessera-worker >"$work/worker.log" 2>&1 &
+worker=$!
+trap 'kill -KILL "$worker" "$outer" 2>/dev/null || true; wait "$worker" "$outer" 2>/dev/null || true; clean_up' EXIT
+mapfile -t of_client < <(environment_of client)
+options=(cornell --size 48x48 --spp 2)
+quiet "rendering on the farm" inside "${of_client[@]}" timeout 120 tessera submit "${options[@]}" --insecure --wait -o /tmp/farm.exr
+quiet "rendering in one process" inside tessera render "${options[@]}" -o /tmp/here.exr
+cmp "$mounted/tmp/farm.exr" "$mounted/tmp/here.exr" || fail "the farm renders other bytes"

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# systemd_units.sh UNITS BIN: checks the services in the folder UNITS with their drop-ins: systemd understands every line,
-# the exposure that `systemd-analyze security` computes is below 2.5, and the programs in BIN have the options.
-# Exit status 77 without systemd-analyze.
+# systemd_units.sh DEPLOY BIN: checks the services in DEPLOY/systemd with their drop-ins, and that in DEPLOY/slurm: systemd
+# understands every line, the exposure that `systemd-analyze security` computes is below 2.5, what they name is there, and
+# the programs in BIN have the options. Exit status 77 without systemd-analyze.
 set -euo pipefail
 
-units=$1
+units=$1/systemd
+slurm=$1/slurm
 bin=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -18,11 +19,16 @@ fail() {
 command -v systemd-analyze >/dev/null || { echo "systemd_units.sh: skipped: there is no systemd-analyze"; exit 77; }
 
 services=()
-for unit in "$units"/*.service; do
+for unit in "$units"/*.service "$slurm"/*.service; do
   name=$(basename "$unit" .service)
   mkdir "$work/$name.service.d"
-  sed "s#/usr/bin/#$bin/#" "$unit" >"$work/$name.service"
-  for drop_in in "$units/${name#tessera-}"-*.conf; do cp "$drop_in" "$work/$name.service.d"; done
+  # As installed: the user of the jobs is one that this machine has.
+  sed "s#/usr/bin/#$bin/#; s#/usr/share/tessera/slurm/#$slurm/#; s#^User=.*#User=daemon#" "$unit" >"$work/$name.service"
+  for drop_in in "$units/${name#tessera-}"-*.conf; do [ ! -e "$drop_in" ] || cp "$drop_in" "$work/$name.service.d"; done
+  # Documents lie in DEPLOY/../docs, which the package tessera installs.
+  while IFS= read -r page; do
+    [ -e "$slurm/../../docs/${page#/usr/share/doc/tessera/docs/}" ] || fail "$unit names $page, which is not installed"
+  done < <(sed -n 's/^Documentation=file://p' "$unit")
   services+=("$work/$name.service")
 
   # A unit that nobody has hardened has 9 and more.
@@ -30,7 +36,7 @@ for unit in "$units"/*.service; do
     fail "$(tail -n 1 "$work/security")"
   tail -n 1 "$work/security"
 done
-[ ${#services[@]} -eq 2 ] || fail "there are ${#services[@]} services"
+[ ${#services[@]} -eq 3 ] || fail "there are ${#services[@]} services"
 
 systemd-analyze verify --man=no "${services[@]}" >"$work/verified" 2>&1 || fail "$(cat "$work/verified")"
 [ ! -s "$work/verified" ] || fail "$(cat "$work/verified")"
