@@ -170,9 +170,9 @@ void measure(int lamps, int facets_per_lamp) {
   const Estimate tree = estimate(scene, vertices, tree_choice);
   const Estimate power_alone = estimate(scene, vertices, power_choice);
 
+  const RenderPlan plan = prepare(scene, scene.settings(), 1);
   start = cpu_seconds();
-  const FilmTile tile =
-      render(scene, scene.settings(), {0, 0, kSidePx, kSidePx}, {0, scene.settings().spp}, 1);
+  const FilmTile tile = render(plan, {0, 0, kSidePx, kSidePx}, {0, scene.settings().spp}, 1);
   const double per_sample = (cpu_seconds() - start) / static_cast<double>(tile.counters.samples);
   fmt::print("| {} | {} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.2f} | {:.2f} | {:.2f} | {:.1f} |\n",
              scene.lights().size(), lamps, build * 1e3, seconds_per_choice(vertices, tree_choice) * 1e9,

@@ -18,11 +18,12 @@ void render_scene(benchmark::State& state, const std::string& name, Integrator i
   RenderSettings settings = scene->settings();
   settings.integrator = integrator;
   const PixelRect picture{0, 0, settings.width_px, settings.height_px};
+  const RenderPlan plan = prepare(*scene, settings, 1);
 
   RenderCounters counters;
   std::uint32_t sample = 0;
   for (auto _ : state) {
-    counters.add(render(*scene, settings, picture, {sample, sample + 1}, 1).counters);
+    counters.add(render(plan, picture, {sample, sample + 1}, 1).counters);
     ++sample;
   }
   const auto rate = [&](std::uint64_t count) {

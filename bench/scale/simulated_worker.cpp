@@ -84,6 +84,7 @@ void SimulatedWorker::report(v1::SynchronizeRequest& request) const {
   request.set_threads(1);
   request.set_wanted_leases(kWantedLeases);
   request.set_names_images(true);
+  request.set_renders_layers(true);
   for (const std::string& job : known_jobs_) request.add_known_job_ids(job);
   for (const HeldLease& held : leases_) {
     v1::Lease& lease = *request.add_held();
