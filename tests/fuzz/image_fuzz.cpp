@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // An image file: as a texture in both colour spaces, its alpha, and as `tessera compare` reads it and its
 // layers; the texts in its header.
+#include <algorithm>
 #include <string>
 #include <vector>
 
+#include "core/image/codecs.hpp"
 #include "core/image/decode.hpp"
 #include "core/image/exr_header.hpp"
 #include "core/textures/image_decoder.hpp"
@@ -46,5 +48,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::decode_as_picture(bytes);
   for (const char* const layer : {"Normal", "view.combined", "A"}) fuzz::decode_as_picture(bytes, layer);
   fuzz::expect_answer(core::exr_texts(bytes));
+  if (const auto layers = core::image_layers(bytes); fuzz::expect_answer(layers))
+    for (std::size_t i = 0; i < std::min<std::size_t>(layers->size(), 3); ++i)
+      fuzz::decode_as_picture(bytes, layers->at(i));
   return 0;
 }

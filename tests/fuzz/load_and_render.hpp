@@ -39,7 +39,7 @@ class InputAssets : public core::AssetSource {
 inline void render_corner(const core::Scene& scene) {
   constexpr core::PixelRect kCorner{0, 0, 1, 1};
   constexpr core::SampleRange kSamples{0, 2};
-  const core::FilmTile tile = core::render(scene, scene.settings(), kCorner, kSamples, 1);
+  const core::FilmTile tile = core::render(core::prepare(scene, scene.settings(), 1), kCorner, kSamples, 1);
   expect(tile.counters.samples == kSamples.count(), "every sample is counted");
 }
 

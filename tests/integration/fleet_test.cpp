@@ -43,6 +43,22 @@ TEST_F(FleetTest, ADrainedWorkerRendersNothingUntilItIsUndone) {
   EXPECT_EQ(worker("one").samples_accepted(), 64u * 64u * 4u);
 }
 
+// The coordinator crashes right after it has confirmed the drain.
+TEST_F(FleetTest, ADrainSurvivesACrashOfTheCoordinator) {
+  start_coordinator();
+  start_worker("one", 1);
+  ASSERT_TRUE(wait_for_workers(1));
+  ASSERT_EQ(tessera({"drain", "one"}).exit_code, 0);
+  kill_coordinator();
+  restart_coordinator();
+  const std::string id = submit({"--size", "64x64", "--spp", "4"});
+  ASSERT_TRUE(poll_until(30s, [&] { return worker("one").drain_requested(); }));
+  start_worker("two", 1);
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  EXPECT_EQ(worker("one").samples_accepted(), 0u);
+  EXPECT_EQ(worker("two").samples_accepted(), 64u * 64u * 4u);
+}
+
 TEST_F(FleetTest, AStoppedWorkerDeliversAndEnds) {
   start_coordinator(20);
   Process& one = start_worker("one", 1);

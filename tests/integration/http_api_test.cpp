@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The HTTP API of a real coordinator, with a real worker.
 #include <gmock/gmock.h>
+#include <signal.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <regex>
 
@@ -115,6 +117,16 @@ TEST_F(HttpApiTest, SpeaksTlsWithTheCertificateOfTheFarm) {
   EXPECT_THAT(plain.receive_all(), Not(HasSubstr("200 OK"))) << "HTTP on an HTTPS port";
   EXPECT_TRUE(plain.is_ended());
   EXPECT_THAT(get_over_tls(address, "/healthz", "farm"), HasSubstr("HTTP/1.1 200")) << "it goes on";
+
+  for (const char* const name : {"coordinator.pem", "coordinator.key"})
+    std::filesystem::copy_file(folder_ / "others" / name, folder_ / "farm" / name,
+                               std::filesystem::copy_options::overwrite_existing);
+  coordinator().signal(SIGHUP);
+  EXPECT_TRUE(poll_until(std::chrono::seconds(20), [&] {
+    return coordinator().err().find("has read the certificate in ") != std::string::npos;
+  })) << coordinator().err();
+  EXPECT_THAT(get_over_tls(address, "/healthz", "others"), HasSubstr("HTTP/1.1 200"));
+  EXPECT_EQ(get_over_tls(address, "/healthz", "farm"), "") << "the certificate was replaced";
 }
 
 TEST_F(HttpApiTest, NeedsAnUsableCertificate) {

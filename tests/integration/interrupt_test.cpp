@@ -77,6 +77,19 @@ TEST_F(InterruptTest, TevShowsTheImageOfAJobToTheBit) {
   EXPECT_TRUE(images.begin()->second.pixels == file->pixels);
 }
 
+TEST_F(InterruptTest, TevShowsTheLayersOfAJob) {
+  start_coordinator();
+  start_worker("worker", 1);
+  FakeTev viewer;
+  const std::string id = submit({"--size", "64x64", "--spp", "2", "--layers", "normal,depth"});
+  EXPECT_EQ(tessera({"watch", id, "--tev", viewer.address()}).exit_code, 0);
+  viewer.wait_for_end();
+  const auto images = viewer.all();
+  ASSERT_EQ(images.size(), 1u);
+  EXPECT_THAT(images.begin()->second.channels,
+              testing::ElementsAre("R", "G", "B", "Normal.X", "Normal.Y", "Normal.Z", "Depth.Z"));
+}
+
 TEST_F(InterruptTest, AMissingTevEndsNoWatch) {
   start_coordinator();
   start_worker("worker", 1);

@@ -116,7 +116,7 @@ class Liar {
 
   v1::RenderedItem render_wrongly(const v1::WorkItem& message) const {
     const auto item = *proto::from_proto(message);
-    core::FilmTile tile = core::render(scene_, settings_, item.rect, item.range, 1);
+    core::FilmTile tile = core::render(core::prepare(scene_, settings_, 1), item.rect, item.range, 1);
     const std::size_t middle = tile.sums.size() / 2;
     const std::uint64_t flipped = std::uint64_t{1} << 30;
     // Flips a bit of an even sample if there is one. An odd sample counts in both sums.

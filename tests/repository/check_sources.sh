@@ -52,6 +52,8 @@ forbid "proto includes neither server nor worker nor client." "${include}(server
 forbid "The sandbox includes of core only base, cli and the scene loader." \
   "${include}(core|proto|server|worker|client|tessera/v1|grpc|google/protobuf)/" --but '[<"]core/(base|cli|sandbox|scene/loader)/' \
   "${sources[@]}" core/sandbox
+forbid "The scene includes nothing of how it is rendered." "${include}core/(guiding|shading|integrators)/" "${sources[@]}" \
+  core/scene
 forbid "No other part of core includes the sandbox." "${include}core/sandbox/" --but '^core/sandbox/' "${sources[@]}" core
 forbid "A worker includes neither server nor client." "${include}(server|client)/" "${sources[@]}" worker
 forbid "A client includes neither server nor worker." "${include}(server|worker)/" "${sources[@]}" client

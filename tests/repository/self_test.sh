@@ -7,7 +7,7 @@ set -euo pipefail
 check=${1:?usage: self_test.sh CHECK_SOURCES}
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
-mkdir -p "$tree"/{core/{film,cli,common,http,sandbox,view},proto,server/scheduler,server/validator,worker,client,scenes}
+mkdir -p "$tree"/{core/{film,cli,common,http,sandbox,scene,view},proto,server/scheduler,server/validator,worker,client,scenes}
 echo '#include "core/film/film.hpp"' >"$tree/server/main.cpp"
 echo '#include "core/scene/loader/loader.hpp"' >"$tree/server/validator/validator.cpp"
 echo 'float f(float x) { return tessera::core::sin(x) + std::sqrt(x); }' >"$tree/core/film/film.cpp"
@@ -36,6 +36,8 @@ plant core/film/bad.cpp '#include "tessera/v1/types.pb.h"'
 plant core/cli/bad.cpp '#include "core/film/film.hpp"'
 plant proto/bad.cpp '#include "server/store/store.hpp"'
 plant core/film/bad.cpp '#include "core/sandbox/confinement.hpp"'
+plant core/scene/bad.hpp '#include "core/guiding/light_guide.hpp"'
+plant core/scene/bad.cpp '#include "core/integrators/render_plan.hpp"'
 plant core/sandbox/bad.cpp '#include "core/scene/scene.hpp"'
 plant core/sandbox/bad.hpp '#include "proto/channel.hpp"'
 plant worker/bad.cpp '#include "server/scheduler/scheduler.hpp"'
