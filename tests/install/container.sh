@@ -105,8 +105,14 @@ mapfile -t of_coordinator < <(environment_of coordinator)
 unshare --net bash -c 'ip link set lo up && exec "$@"' - \
   "${container[@]}" "${of_coordinator[@]}" tessera-coordinator >"$work/coordinator.log" 2>&1 &
 outer=$!
-# unshare ignores other signals; its child dies with it.
-trap 'kill -KILL "$outer" 2>/dev/null || true; wait "$outer" 2>/dev/null || true; clean_up' EXIT
+# end PID: ends a process and those below it, which do not all die with it: a change of user takes --kill-child back.
+end() {
+  local child
+  for child in $(pgrep -P "$1"); do end "$child"; done
+  kill -KILL "$1" 2>/dev/null || true
+  wait "$1" 2>/dev/null || true
+}
+trap 'end "$outer"; clean_up' EXIT
 # health [PORT]: runs the health check beside the coordinator.
 health() {
   local first
@@ -121,7 +127,7 @@ health || { cat "$work/coordinator.log" >&2; fail "the coordinator is not health
 inside() { nsenter --target "$(pgrep -P "$outer" -x tessera-coordin)" --net "${container[@]}" "$@"; }
 inside "${of_worker[@]}" TESSERA_WORKER_METRICS=127.0.0.1:9465 tessera-worker >"$work/worker.log" 2>&1 &
 worker=$!
-trap 'kill -KILL "$worker" "$outer" 2>/dev/null || true; wait "$worker" "$outer" 2>/dev/null || true; clean_up' EXIT
+trap 'end "$worker"; end "$outer"; clean_up' EXIT
 mapfile -t of_client < <(environment_of client)
 options=(cornell --size 48x48 --spp 2)
 quiet "rendering on the farm" inside "${of_client[@]}" timeout 120 tessera submit "${options[@]}" --insecure --wait -o /tmp/farm.exr
