@@ -63,7 +63,7 @@ double duration(const std::string& text) {
 }
 
 void add_checkpoint_options(CLI::App& command, RenderOptions& options) {
-  constexpr double kLeastSeconds = 0.1, kMostSeconds = 86400;
+  constexpr double kMinSeconds = 0.1, kMaxSeconds = 86400;
   command
       .add_option_function<std::string>(
           "--time", [&options](const std::string& text) { options.time_seconds = duration(text); },
@@ -78,7 +78,7 @@ void add_checkpoint_options(CLI::App& command, RenderOptions& options) {
   command
       .add_option("--checkpoint-every", options.checkpoint_seconds,
                   "Seconds between two checkpoints: what is lost if the program is killed")
-      ->check(common::number_between(kLeastSeconds, kMostSeconds))
+      ->check(common::number_between(kMinSeconds, kMaxSeconds))
       ->type_name("SECONDS")
       ->capture_default_str();
   command
@@ -91,7 +91,7 @@ void add_checkpoint_options(CLI::App& command, RenderOptions& options) {
       .add_option_function<double>(
           "--update-every", [&options](double seconds) { options.update_seconds = seconds; },
           "Write the image files every so many seconds while rendering")
-      ->check(common::number_between(kLeastSeconds, kMostSeconds))
+      ->check(common::number_between(kMinSeconds, kMaxSeconds))
       ->type_name("SECONDS");
   add_tev_option(command, options.tev);
   command

@@ -274,10 +274,10 @@ void add_layers(const core::LayerSet& layers, google::protobuf::RepeatedPtrField
 }
 
 core::Result<core::LayerSet> layers_from(const google::protobuf::RepeatedPtrField<std::string>& names) {
-  constexpr std::size_t kMost = core::kLayerCount + 1 + core::kMaxLightGroups;
-  if (static_cast<std::size_t>(names.size()) > kMost)
+  constexpr std::size_t kMaxNames = core::kLayerCount + 1 + core::kMaxLightGroups;
+  if (static_cast<std::size_t>(names.size()) > kMaxNames)
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("layers: there are at most {}, got {}", kMost, names.size()));
+                fmt::format("layers: there are at most {}, got {}", kMaxNames, names.size()));
   core::LayerSet layers;
   for (const std::string& name : names) {
     const auto named = core::parse_layers(name);

@@ -109,7 +109,7 @@ std::string crop_text(const v1::RenderSettings& settings) {
 
 // Those of a job with several: how many are done, and those that are being rendered.
 std::vector<std::vector<std::string>> image_rows(const v1::Job& job) {
-  constexpr std::size_t kMostShown = 8;
+  constexpr std::size_t kMaxShown = 8;
   if (job.images_size() < 2) return {};
   int done = 0;
   std::vector<std::vector<std::string>> begun;
@@ -117,7 +117,7 @@ std::vector<std::vector<std::string>> image_rows(const v1::Job& job) {
     const v1::Image& image = job.images(i);
     const bool is_done = image.samples_total() > 0 && image.samples_done() == image.samples_total();
     done += is_done ? 1 : 0;
-    if (is_done || image.samples_done() == 0 || begun.size() == kMostShown) continue;
+    if (is_done || image.samples_done() == 0 || begun.size() == kMaxShown) continue;
     begun.push_back(
         {fmt::format("image {}", i),
          fmt::format("frame {}, {}%", image.frame(), percent(image.samples_done(), image.samples_total()))});

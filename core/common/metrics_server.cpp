@@ -20,7 +20,7 @@ using core::ErrorCode;
 
 constexpr const char* kThreads = "2";
 // A caller that is slower is disconnected, so that it does not keep a thread.
-constexpr const char* kMostMilliseconds = "5000";
+constexpr const char* kMaxMilliseconds = "5000";
 
 // What the library is told to bind. It takes lists, TLS ports and ports of all addresses as well: nothing is
 // bound but what this finds.
@@ -45,7 +45,7 @@ struct MetricsServer::Parts {
   Parts(const std::string& port, Collect collect)
       : source(std::make_shared<Source>(std::move(collect))),
         exposer(std::vector<std::string>{"listening_ports", port, "num_threads", kThreads,
-                                         "request_timeout_ms", kMostMilliseconds}) {
+                                         "request_timeout_ms", kMaxMilliseconds}) {
     exposer.RegisterCollectable(source);
   }
 

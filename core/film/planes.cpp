@@ -166,8 +166,8 @@ Status check_words(const FilmChannel& channel, const Plane& plane, std::uint32_t
 
 std::uint64_t to_signed_word(double value) {
   if (std::isnan(value)) return 0;
-  constexpr auto kMost = static_cast<double>(kMaxSignedSample);
-  const double units = std::clamp(std::floor(value / kSignedUnit + 0.5), -kMost, kMost);
+  constexpr auto kMaxUnits = static_cast<double>(kMaxSignedSample);
+  const double units = std::clamp(std::floor(value / kSignedUnit + 0.5), -kMaxUnits, kMaxUnits);
   return static_cast<std::uint64_t>(static_cast<std::int64_t>(units));
 }
 

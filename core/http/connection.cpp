@@ -16,7 +16,7 @@ namespace tessera::http {
 namespace {
 
 // Clients that send more slowly are disconnected.
-constexpr std::uint64_t kLeastBytesPerMs = 16;
+constexpr std::uint64_t kMinBytesPerMs = 16;
 // How often a connection that waits for its response is looked at.
 constexpr std::chrono::seconds kLookAgain{60};
 
@@ -121,8 +121,7 @@ MHD_Result Connection::receive_header(const char* method) {
   if (exchange_.body_bytes == 0) return MHD_YES;  // the response follows at once, and the connection goes on
   if (exchange_.response && !exchange_.response->later) return answer(std::move(*exchange_.response));
   const std::lock_guard lock(mutex_);
-  set_deadline(settings_.receive_timeout +
-               std::chrono::milliseconds(exchange_.body_bytes / kLeastBytesPerMs));
+  set_deadline(settings_.receive_timeout + std::chrono::milliseconds(exchange_.body_bytes / kMinBytesPerMs));
   return MHD_YES;
 }
 

@@ -51,8 +51,8 @@ double slope_at(double u, double cosine, double sine) {
 
 // Numbers of which neither slope is infinite.
 double inside_unit(float u) {
-  constexpr double kLeast = 0x1p-25;
-  return std::clamp(static_cast<double>(u), kLeast, 1 - kLeast);
+  constexpr double kMin = 0x1p-25;
+  return std::clamp(static_cast<double>(u), kMin, 1 - kMin);
 }
 
 }  // namespace

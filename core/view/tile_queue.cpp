@@ -50,7 +50,7 @@ std::optional<TileQueue::Clock::time_point> TileQueue::next_time() const {
   if (!coarse_.empty()) return Clock::time_point{};
   if (fine_.empty()) return std::nullopt;
   const Clock::time_point sent_at = std::get<0>(*fine_.begin());
-  return sent_at == Clock::time_point{} ? sent_at : sent_at + kLeastInterval;
+  return sent_at == Clock::time_point{} ? sent_at : sent_at + kMinInterval;
 }
 
 Revision TileQueue::complete_until(Revision seen) const {

@@ -21,7 +21,7 @@ class TileQueue {
  public:
   using Clock = std::chrono::steady_clock;
   // A viewer gets no tile more often.
-  static constexpr std::chrono::milliseconds kLeastInterval{100};
+  static constexpr std::chrono::milliseconds kMinInterval{100};
 
   // `centre`: of what the viewer looks at, in pixels of the whole image.
   TileQueue(const core::TileGrid& grid, int centre_x, int centre_y)

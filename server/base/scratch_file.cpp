@@ -24,7 +24,7 @@ core::Status ScratchFile::write_at(std::uint64_t offset, std::string_view bytes)
   core::Status written = write_all(offset, bytes);
   const bool is_full = !written && written.error().code == core::ErrorCode::kResourceExhausted;
   const std::uint64_t end = std::max(size_, offset + bytes.size());
-  if (is_full && !is_in_memory_ && end <= kMostInMemory && move_into_memory())
+  if (is_full && !is_in_memory_ && end <= kMaxInMemory && move_into_memory())
     written = write_all(offset, bytes);
   if (written) size_ = end;
   return written;

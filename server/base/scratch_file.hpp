@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A temporary file without a name, whose space is free again when the object is destroyed, also by a crash.
-// On a full disk it moves into memory, if it is no larger than kMostInMemory, so that images can be fetched
+// On a full disk it moves into memory, if it is no larger than kMaxInMemory, so that images can be fetched
 // all the same. For one thread at a time.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace tessera::base {
 
 class ScratchFile {
  public:
-  static constexpr std::uint64_t kMostInMemory = std::uint64_t{256} << 20;
+  static constexpr std::uint64_t kMaxInMemory = std::uint64_t{256} << 20;
 
   // In this folder, which must exist. Errors are those of errno_error().
   static core::Result<ScratchFile> make(const std::filesystem::path& folder);

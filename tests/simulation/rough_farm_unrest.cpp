@@ -138,8 +138,8 @@ void RoughFarm::user() {
 
 // As a whole, some tiles of it, or both. The job may not have them.
 void RoughFarm::extend(const JobId& id) {
-  constexpr int kMostTiles = 3 * 5 * 4;
-  pixel_samples_ += kMostTiles * 4096.0 * 60;
+  constexpr int kMaxTiles = 3 * 5 * 4;
+  pixel_samples_ += kMaxTiles * 4096.0 * 60;
   ExtendJob event{id, static_cast<std::uint32_t>(world_.random.integer(1, 60))};
   if (images_.chance(0.3)) {
     for (int i = images_.integer(1, 3); i > 0; --i)

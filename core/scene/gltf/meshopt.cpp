@@ -41,7 +41,7 @@ int decompress(const MeshoptStream& stream, void* to) {
 // The library's own function estimates square roots where T has 8 bits, differently on different processors.
 template <typename T>
 void decode_octahedral(void* data, std::size_t count) {
-  constexpr float kMost = std::numeric_limits<T>::max();
+  constexpr float kMax = std::numeric_limits<T>::max();
   const auto rounded = [](float v) { return static_cast<T>(v + (v >= 0 ? 0.5f : -0.5f)); };
   char* at = static_cast<char*>(data);
   for (std::size_t i = 0; i < count; ++i, at += 4 * sizeof(T)) {
@@ -52,7 +52,7 @@ void decode_octahedral(void* data, std::size_t count) {
     const float below = std::min(z, 0.0f);
     x += x >= 0 ? below : -below;
     y += y >= 0 ? below : -below;
-    const float length = std::sqrt(x * x + y * y + z * z), scale = length > 0 ? kMost / length : 0;
+    const float length = std::sqrt(x * x + y * y + z * z), scale = length > 0 ? kMax / length : 0;
     element[0] = rounded(x * scale), element[1] = rounded(y * scale), element[2] = rounded(z * scale);
     std::memcpy(at, element.data(), sizeof element);
   }

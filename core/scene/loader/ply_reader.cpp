@@ -387,8 +387,8 @@ void PlyReader::add_triangle_attributes(const PlyElement& element, std::size_t t
       auto& values = file_.attributes[*face_attributes_[i]].values;
       values.insert(values.end(), more, row_[i]);
     } else if (element.properties[i].name == "material_index" && !element.properties[i].is_list) {
-      constexpr float kMost = 1 << 24;
-      const float index = row_[i] >= 0 && row_[i] < kMost ? row_[i] : kMost;
+      constexpr float kMaxIndex = 1 << 24;
+      const float index = row_[i] >= 0 && row_[i] < kMaxIndex ? row_[i] : kMaxIndex;
       file_.mesh.triangle_materials.insert(file_.mesh.triangle_materials.end(), more,
                                            static_cast<std::uint32_t>(index));
     }

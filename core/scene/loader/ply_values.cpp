@@ -13,8 +13,8 @@ constexpr bool is_space(char c) {
 }
 
 std::int64_t saturated(double value) {
-  constexpr double kMost = 9e18;
-  return std::isfinite(value) ? static_cast<std::int64_t>(std::clamp(value, -kMost, kMost)) : -1;
+  constexpr double kMax = 9e18;
+  return std::isfinite(value) ? static_cast<std::int64_t>(std::clamp(value, -kMax, kMax)) : -1;
 }
 
 }  // namespace

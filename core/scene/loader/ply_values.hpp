@@ -50,9 +50,9 @@ auto with_ply_type(PlyType type, const Visit& visit) {
 
 // Too large values become infinite.
 inline float ply_float(double value) {
-  constexpr double kMost = std::numeric_limits<float>::max();
+  constexpr double kMax = std::numeric_limits<float>::max();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  if (std::fabs(value) > kMost) return value > 0 ? kInfinity : -kInfinity;
+  if (std::fabs(value) > kMax) return value > 0 ? kInfinity : -kInfinity;
   return static_cast<float>(value);
 }
 template <typename T>

@@ -178,8 +178,8 @@ int MediumConverter::add_grid(VoxelGrid grid) {
 float MediumConverter::mean_cosine(const Plugin& plugin) {
   const auto phase = plugin.first_child(Kind::kPhase);
   if (!phase || phase->type() == "isotropic") return 0;
-  constexpr float kMost = 0.999f;
-  if (phase->type() == "hg") return phase->real_in("g", 0.8f, -kMost, kMost);
+  constexpr float kMaxG = 0.999f;
+  if (phase->type() == "hg") return phase->real_in("g", 0.8f, -kMaxG, kMaxG);
   phase->warn("is not supported; isotropic scattering replaces it");
   phase->ignore_all();
   return 0;

@@ -66,14 +66,14 @@ PixelFilter filter_of(const Plugin& film) {
   const PixelFilter gaussian{FilterKind::kGaussian, kDeviations * 0.5f};
   const auto filter = film.first_child(Kind::kFilter);
   if (!filter) return gaussian;
-  constexpr float kLeastRadiusPx = 0.01f;
+  constexpr float kMinRadiusPx = 0.01f;
   const std::string& type = filter->type();
   if (type == "box")
-    return {FilterKind::kBox, filter->real_in("radius", 0.5f, kLeastRadiusPx, kMaxFilterRadiusPx)};
+    return {FilterKind::kBox, filter->real_in("radius", 0.5f, kMinRadiusPx, kMaxFilterRadiusPx)};
   if (type == "tent")
-    return {FilterKind::kTent, filter->real_in("radius", 1, kLeastRadiusPx, kMaxFilterRadiusPx)};
+    return {FilterKind::kTent, filter->real_in("radius", 1, kMinRadiusPx, kMaxFilterRadiusPx)};
   if (type == "gaussian")
-    return {FilterKind::kGaussian, kDeviations * filter->real_in("stddev", 0.5f, kLeastRadiusPx / kDeviations,
+    return {FilterKind::kGaussian, kDeviations * filter->real_in("stddev", 0.5f, kMinRadiusPx / kDeviations,
                                                                  kMaxFilterRadiusPx / kDeviations)};
   filter->warn("this filter is not supported; a Gaussian of standard deviation 0.5 replaces it");
   filter->ignore_all();

@@ -209,11 +209,11 @@ std::optional<float> Parameters::number(std::string_view name) const {
   return std::nullopt;
 }
 
-float Parameters::number_in(std::string_view name, float otherwise, float least, float most) const {
-  const float value = number(name, otherwise), limited = std::clamp(value, least, most);
+float Parameters::number_in(std::string_view name, float otherwise, float min, float max) const {
+  const float value = number(name, otherwise), limited = std::clamp(value, min, max);
   if (limited != value)
     remark(name, "range",
-           fmt::format("must be from {:g} to {:g}, got {:g}; {:g} is used", least, most, value, limited));
+           fmt::format("must be from {:g} to {:g}, got {:g}; {:g} is used", min, max, value, limited));
   return limited;
 }
 
@@ -240,11 +240,11 @@ std::optional<int> Parameters::integer(std::string_view name) const {
   return std::nullopt;
 }
 
-int Parameters::integer_in(std::string_view name, int otherwise, int least, int most) const {
-  const int value = integer(name, otherwise), limited = std::clamp(value, least, most);
+int Parameters::integer_in(std::string_view name, int otherwise, int min, int max) const {
+  const int value = integer(name, otherwise), limited = std::clamp(value, min, max);
   if (limited != value)
     remark(name, "range",
-           fmt::format("must be from {} to {}, got {}; {} is used", least, most, value, limited));
+           fmt::format("must be from {} to {}, got {}; {} is used", min, max, value, limited));
   return limited;
 }
 

@@ -63,8 +63,8 @@ class Parameters {
   std::optional<int> integer(std::string_view name) const;
   int integer(std::string_view name, int otherwise) const { return integer(name).value_or(otherwise); }
   // The same within limits; a value outside becomes the nearer limit, which is remarked.
-  float number_in(std::string_view name, float otherwise, float least, float most) const;
-  int integer_in(std::string_view name, int otherwise, int least, int most) const;
+  float number_in(std::string_view name, float otherwise, float min, float max) const;
+  int integer_in(std::string_view name, int otherwise, int min, int max) const;
   // A number above 0; nullopt if it is not given, or is not above 0, which is remarked.
   std::optional<float> positive(std::string_view name) const;
   // One of several texts; any other becomes `otherwise`, which is remarked.

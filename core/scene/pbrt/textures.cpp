@@ -39,11 +39,11 @@ Encoding encoding_of(const Parameters& p, std::string_view file) {
     p.choice("encoding", "sRGB", {"sRGB", "linear"});
     return {};
   }
-  constexpr float kDefaultGamma = 2.2f, kLeastGamma = 0.1f, kMostGamma = 10;
+  constexpr float kDefaultGamma = 2.2f, kMinGamma = 0.1f, kMaxGamma = 10;
   const auto gamma = parse_number(std::string_view(name).substr(kGamma.size()));
-  if (gamma && *gamma >= kLeastGamma && *gamma <= kMostGamma) return {ColorSpace::kLinear, *gamma};
+  if (gamma && *gamma >= kMinGamma && *gamma <= kMaxGamma) return {ColorSpace::kLinear, *gamma};
   p.remark("encoding",
-           fmt::format("has no gamma from {} to {}; {} is used", kLeastGamma, kMostGamma, kDefaultGamma));
+           fmt::format("has no gamma from {} to {}; {} is used", kMinGamma, kMaxGamma, kDefaultGamma));
   return {ColorSpace::kLinear, kDefaultGamma};
 }
 

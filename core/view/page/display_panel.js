@@ -18,7 +18,7 @@ const kChannels = [
   ['b', 'Blue'],
   ['luminance', 'Luminance'],
 ];
-const kMostStops = 12;
+const kMaxStops = 12;
 
 // "crypto_object" as "Crypto object".
 const layerText = (name) => name.charAt(0).toUpperCase() + name.slice(1).replaceAll('_', ' ');
@@ -38,8 +38,8 @@ export class DisplayPanel {
     this.value = h('output.number', {});
     this.exposure = h('input', {
       type: 'range',
-      min: -kMostStops,
-      max: kMostStops,
+      min: -kMaxStops,
+      max: kMaxStops,
       step: 0.25,
       oninput: () => this.setExposure(Number(this.exposure.value)),
     });

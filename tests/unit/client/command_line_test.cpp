@@ -15,7 +15,7 @@
 #include "core/image/exr_header.hpp"
 #include "core/image/file_io.hpp"
 #include "core/scene/render_record.hpp"
-#include "tests/unit/client/process.hpp"
+#include "tests/unit/client/command_line_fixture.hpp"
 
 namespace tessera::client {
 namespace {
@@ -26,45 +26,6 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 using testing::UnorderedElementsAre;
-
-// A glowing sphere seen from the point (0, 0, 4).
-std::string scene_text(const std::string& radius, const std::string& center) {
-  return R"({
-  "render": {"width": 40, "height": 30, "spp": 4},
-  "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]},
-  "materials": {"glow": {"type": "lambert", "albedo": 0.5, "emission": [2, 1, 0.5]}},
-  "shapes": [{"type": "sphere", "radius": )" +
-         radius + R"(, "center": )" + center + R"(, "material": "glow"}]
-})";
-}
-
-class CommandLine : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string pattern = testing::TempDir() + "command_line.XXXXXX";
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-    write("scene.json", scene_text("1", "[0, 0, 0]"));
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return folder_ / name; }
-  void write(const std::string& name, const std::string& text) {
-    ASSERT_TRUE(core::write_file_atomically(path(name), text));
-  }
-  std::string read(const std::string& name) const { return core::read_file(path(name)).value_or(""); }
-  std::vector<std::string> names() const {
-    std::vector<std::string> found;
-    for (const auto& entry : fs::directory_iterator(folder_)) found.push_back(entry.path().filename());
-    return found;
-  }
-  ProcessResult render(std::vector<std::string> more) const {
-    more.insert(more.begin(), {"render", path("scene.json")});
-    return run_tessera(more);
-  }
-
-  fs::path folder_;
-};
 
 TEST_F(CommandLine, RenderWritesEveryPictureAndSaysSo) {
   const ProcessResult result = render({"-o", path("a.png"), "-o", path("a.exr")});
@@ -214,94 +175,6 @@ TEST_F(CommandLine, FailuresExitWith1AndLeaveNoPicture) {
   EXPECT_THAT(names(), UnorderedElementsAre("scene.json", "broken.json"));
 }
 
-TEST_F(CommandLine, CompareTellsByItsExitStatus) {
-  ASSERT_EQ(render({"-o", path("a.exr"), "-o", path("same.pfm")}).exit_status, 0);
-  ASSERT_EQ(render({"-o", path("b.exr"), "--seed", "1"}).exit_status, 0);
-  ASSERT_EQ(render({"-o", path("small.exr"), "--size", "4x4"}).exit_status, 0);
-  const ProcessResult same = run_tessera({"compare", path("a.exr"), path("same.pfm")});
-  EXPECT_EQ(same.exit_status, 0);
-  EXPECT_EQ(same.out,
-            "identical\nlargest difference  0\nMSE                 0\nrelative MSE        0\nPSNR            "
-            "    inf dB\n");
-  const ProcessResult different = run_tessera({"compare", path("a.exr"), path("b.exr")});
-  EXPECT_EQ(different.exit_status, 1);
-  EXPECT_THAT(different.out, AllOf(StartsWith("different\n"), HasSubstr(" at pixel (")));
-  const ProcessResult sizes = run_tessera({"compare", path("a.exr"), path("small.exr")});
-  EXPECT_EQ(sizes.exit_status, 2);
-  EXPECT_EQ(sizes.err, "tessera: error: the images have different sizes: 40x30 and 4x4 pixels\n");
-  EXPECT_EQ(run_tessera({"compare", path("a.exr"), path("missing.exr")}).exit_status, 2);
-  EXPECT_EQ(run_tessera({"compare", path("a.exr"), path("scene.json")}).exit_status, 2);
-}
-
-TEST_F(CommandLine, CompareSpeaksJson) {
-  ASSERT_EQ(render({"-o", path("a.exr")}).exit_status, 0);
-  const ProcessResult result = run_tessera({"compare", "--json", path("a.exr"), path("a.exr")});
-  const nlohmann::json json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(json["identical"], true);
-  EXPECT_EQ(json["mse"], 0.0);
-  EXPECT_TRUE(json["psnr_db"].is_null());
-}
-
-TEST_F(CommandLine, CompareLooksAtLayersOneByOne) {
-  ASSERT_EQ(render({"-o", path("a.exr"), "--layers", "normal,alpha,crypto_object"}).exit_status, 0);
-  ASSERT_EQ(render({"-o", path("b.exr"), "--layers", "normal,alpha,depth", "--spp", "9"}).exit_status, 0);
-  const auto compare = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"compare", path("a.exr"), path("b.exr"), "--layer"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_tessera(arguments);
-  };
-  EXPECT_EQ(run_tessera({"compare", path("a.exr"), path("a.exr"), "--layer", "all"}).exit_status, 0);
-  const ProcessResult all = compare({"all"});
-  EXPECT_EQ(all.exit_status, 1);
-  EXPECT_THAT(all.out, StartsWith("different\n(beauty)"));
-  EXPECT_THAT(all.out, AllOf(HasSubstr("\nNormal            largest difference "),
-                             HasSubstr("\nCryptoObject00.a  only in " + path("a.exr"))));
-  EXPECT_THAT(all.out, HasSubstr("\nDepth             only in " + path("b.exr")));
-  const nlohmann::json json = nlohmann::json::parse(compare({"all", "--json"}).out);
-  EXPECT_EQ(json["identical"], false);
-  EXPECT_EQ(json["layers"][0]["layer"], "");
-  EXPECT_EQ(json["layers"][0]["identical"], false);
-  EXPECT_EQ(json["layers"].back()["only_in"], path("b.exr"));
-  EXPECT_EQ(compare({"normal"}).out, compare({"Normal"}).out) << "by the name in scene files as well";
-  const ProcessResult unknown = compare({"Nromal"});
-  EXPECT_EQ(unknown.exit_status, 2);
-  EXPECT_THAT(unknown.err, AllOf(HasSubstr("has no layer or channel 'Nromal'; did you mean 'Normal'?"),
-                                 HasSubstr("Its layers are 'A', 'CryptoObject00")));
-}
-
-TEST_F(CommandLine, LightGroupsAreLayersByEitherName) {
-  write("groups.json", R"({"render": {"width": 8, "height": 8, "spp": 2},
-    "camera": {"position": [0, 0, 3], "look_at": [0, 0, 0]}, "materials": {"clay": {"type": "lambert"}},
-    "lights": [{"type": "directional", "direction": [0, 0, -1], "irradiance": 3, "group": "key"}],
-    "shapes": [{"type": "sphere", "radius": 1, "material": "clay"}]})");
-  const std::string image = path("groups.exr");
-  ASSERT_EQ(run_tessera({"render", path("groups.json"), "--layers", "light_groups", "-o", image}).exit_status,
-            0);
-  for (const char* name : {"group.key", "Combined_key"})
-    EXPECT_EQ(run_tessera({"compare", image, image, "--layer", name}).exit_status, 0) << name;
-  EXPECT_THAT(run_tessera({"compare", image, image, "--layer", "group.fill"}).err,
-              HasSubstr("has no layer or channel 'group.fill'; its layers are 'Combined_key'"));
-}
-
-TEST_F(CommandLine, CompareTakesARegion) {
-  ASSERT_EQ(render({"-o", path("a.exr")}).exit_status, 0);
-  ASSERT_EQ(render({"-o", path("b.exr"), "--seed", "9"}).exit_status, 0);
-  const auto compare = [&](const std::string& region) {
-    return run_tessera({"compare", "--json", path("a.exr"), path("b.exr"), "--region", region});
-  };
-  const ProcessResult part = compare("3,4,20x10");
-  EXPECT_EQ(part.exit_status, 1);
-  const nlohmann::json json = nlohmann::json::parse(part.out);
-  EXPECT_EQ(json["region"], nlohmann::json::parse(R"({"x": 3, "y": 4, "width": 20, "height": 10})"));
-  EXPECT_GE(json["largest_difference_x"], 3);
-  EXPECT_LT(json["largest_difference_y"], 14);
-  EXPECT_EQ(compare("30,0,20x10").exit_status, 2);
-  for (const char* text : {"3,4", "3,4,20", "3,4,0x1", "a,4,2x2", "-1,0,2x2", "3,4,20x10,5"})
-    EXPECT_THAT(compare(text).err, HasSubstr("--region")) << text;
-  EXPECT_THAT(run_tessera({"compare", path("a.exr"), path("a.exr"), "--region", "0,0,2x3"}).out,
-              StartsWith("identical in 2x3 pixels from (0, 0)\n"));
-}
-
 TEST_F(CommandLine, ExposureAndToneCurveChangePngFilesAlone) {
   ASSERT_EQ(render({"-o", path("plain.png"), "-o", path("plain.exr")}).exit_status, 0);
   const ProcessResult curved =
@@ -415,120 +288,6 @@ TEST_F(CommandLine, AWindowOutsideThePictureIsRefused) {
               HasSubstr("scene.json: crop: must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, within "
                         "the 40 x 30 pixels of the image, got 0, 0, 41, 30"));
   EXPECT_THAT(names(), UnorderedElementsAre("scene.json"));
-}
-
-constexpr const char* kPlyTriangle =
-    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-    "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0.3\n3 0 1 2\n";
-
-TEST_F(CommandLine, ImportedSceneRendersToTheSameBytes) {
-  write("mesh.ply", kPlyTriangle);
-  const auto imported = run_tessera({"import", path("mesh.ply"), "-o", path("out.json")});
-  ASSERT_EQ(imported.exit_status, 0) << imported.err;
-  EXPECT_EQ(imported.out, "");
-  for (const std::string name : {"mesh.ply", "out.json"}) {
-    const auto rendered =
-        run_tessera({"render", path(name), "-o", path(name + ".pfm"), "--spp", "1", "--size", "16x12", "-q"});
-    ASSERT_EQ(rendered.exit_status, 0) << rendered.err;
-  }
-  EXPECT_EQ(read("mesh.ply.pfm"), read("out.json.pfm"));
-  EXPECT_NE(read("out.json.pfm"), "");
-}
-
-TEST_F(CommandLine, ImportReportsWhatIsApproximated) {
-  std::string ply = kPlyTriangle;
-  ply.insert(ply.find("element face"), "property float heat\n");
-  ply.replace(ply.find("0 0 0\n1 0 0\n0 1 0.3\n"), 20, "0 0 0 1\n1 0 0 1\n0 1 0.3 1\n");
-  write("mesh.ply", ply);
-  const auto report = run_tessera({"import", path("mesh.ply"), "--report"});
-  EXPECT_EQ(report.exit_status, 0) << report.err;
-  EXPECT_THAT(report.out, HasSubstr("mesh.ply: the property 'heat' of 'vertex' is not used"));
-  EXPECT_EQ(run_tessera({"import", path("mesh.ply")}).exit_status, 2);
-  EXPECT_EQ(run_tessera({"import", path("mesh.ply"), "-o", path("out.gltf")}).exit_status, 2);
-}
-
-TEST_F(CommandLine, InfoTellsWhatIsInAScene) {
-  write("mesh.ply", kPlyTriangle);
-  const auto info = run_tessera({"info", path("mesh.ply"), "--json"});
-  ASSERT_EQ(info.exit_status, 0) << info.err;
-  const auto json = nlohmann::json::parse(info.out);
-  EXPECT_EQ(json["format"], "PLY");
-  EXPECT_EQ(json["triangles"], 1);
-  EXPECT_EQ(json["shapes"]["mesh"], 1);
-  EXPECT_EQ(json["files"][0]["path"], "mesh.ply");
-  EXPECT_EQ(json["missing"].size(), 0u);
-  EXPECT_THAT(run_tessera({"info", path("mesh.ply")}).out, HasSubstr("triangles   1 stored"));
-}
-
-constexpr const char* kTwoSensors = R"(<scene version="3.0.0">
-<sensor type="perspective" id="left"><transform name="to_world"><translate x="-3"/></transform></sensor>
-<sensor type="perspective" id="right"><transform name="to_world"><translate x="3"/></transform></sensor>
-<shape type="sphere"><float name="shine" value="1"/></shape>
-<shape type="sphere"><float name="shine" value="2"/></shape>
-</scene>)";
-
-TEST_F(CommandLine, InfoListsWhatCanBeChosen) {
-  write("room.xml", kTwoSensors);
-  EXPECT_THAT(run_tessera({"info", path("room.xml")}).out, HasSubstr("cameras     0 left, 1 right\n"));
-  const auto info = run_tessera({"info", path("room.xml"), "--camera", "right", "--json"});
-  const auto json = nlohmann::json::parse(info.out);
-  EXPECT_EQ(json["camera"]["position"], nlohmann::json({3, 0, 0}));
-  EXPECT_EQ(json["contents"]["cameras"], nlohmann::json({"left", "right"}));
-  const auto wrong = run_tessera({"info", path("room.xml"), "--camera", "top"});
-  EXPECT_EQ(wrong.exit_status, 1);
-  EXPECT_THAT(wrong.err, HasSubstr("there is no camera 'top'; the file has 0 ('left'), 1 ('right')"));
-  EXPECT_EQ(run_tessera({"info", path("room.xml"), "--animation-time", "soon"}).exit_status, 2);
-}
-
-// A render tells a kind once, and the report each place.
-TEST_F(CommandLine, ImportReportsEachPlace) {
-  write("room.xml", kTwoSensors);
-  const std::string told = "<shape type=\"sphere\">: the parameter 'shine' is ignored";
-  EXPECT_THAT(run_tessera({"info", path("room.xml")}).err, HasSubstr("room.xml:4: " + told + " (2 times)"));
-  const auto report = run_tessera({"import", path("room.xml"), "--report"});
-  EXPECT_THAT(report.out, HasSubstr("room.xml:4: " + told + "\n"));
-  EXPECT_THAT(report.out, HasSubstr("room.xml:5: " + told + "\n"));
-}
-
-TEST_F(CommandLine, InfoTellsWhatMoves) {
-  write("moving.pbrt", R"(Camera "perspective" "float shutteropen" 0 "float shutterclose" 0.5
-WorldBegin
-ActiveTransform EndTime Translate 1 0 0 ActiveTransform All
-Shape "sphere")");
-  const auto info = run_tessera({"info", path("moving.pbrt")});
-  EXPECT_THAT(info.out, HasSubstr("motion      shutter 0 to 0.5 frames, 1 instances\n")) << info.err;
-  const auto json = nlohmann::json::parse(run_tessera({"info", path("moving.pbrt"), "--json"}).out);
-  EXPECT_EQ(json["motion"], nlohmann::json::parse(R"({"instances": 1, "shutter": [0, 0.5]})"));
-  write("room.xml", kTwoSensors);
-  EXPECT_THAT(run_tessera({"info", path("room.xml")}).out, testing::Not(HasSubstr("motion")));
-}
-
-// The same for all commands that take a scene.
-TEST_F(CommandLine, RefusesParametersThatNothingUses) {
-  write("room.xml", R"(<scene version="3.0.0"><default name="radius" value="1"/>
-<shape type="sphere"><float name="radius" value="$radius"/></shape></scene>)");
-  const std::vector<std::vector<std::string>> commands{
-      {"info", path("room.xml")},
-      {"import", path("room.xml"), "--report"},
-      {"render", path("room.xml"), "-o", path("room.png"), "-q"}};
-  for (std::vector<std::string> command : commands) {
-    command.insert(command.end(), {"-D", "raduis=2"});
-    const auto run = run_tessera(command);
-    EXPECT_EQ(run.exit_status, 1) << command[0];
-    EXPECT_THAT(run.err,
-                HasSubstr("room.xml: raduis: nothing in the scene uses a parameter of this name; did you "
-                          "mean 'radius'?"))
-        << command[0];
-  }
-  EXPECT_EQ(run_tessera({"info", path("room.xml"), "-D", "radius=2"}).exit_status, 0);
-}
-
-TEST_F(CommandLine, InfoListsFilesThatAreMissing) {
-  write("lacking.json", R"({"camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]},
-  "materials": {"m": {"type": "lambert"}}, "shapes": [{"type": "mesh", "file": "gone.ply", "material": "m"}]})");
-  const auto info = run_tessera({"info", path("lacking.json")});
-  EXPECT_EQ(info.exit_status, 1);
-  EXPECT_THAT(info.out, HasSubstr("missing     gone.ply"));
 }
 
 }  // namespace

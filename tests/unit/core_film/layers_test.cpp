@@ -87,10 +87,10 @@ TEST(SignedSums, CannotOverflow) {
   const std::uint64_t most = to_signed_word(1e30), least = to_signed_word(-1e30);
   EXPECT_EQ(static_cast<std::int64_t>(most), kMaxSignedSample);
   EXPECT_EQ(static_cast<std::int64_t>(least), -kMaxSignedSample);
-  constexpr std::uint32_t kMostSamples = 1u << 24;
-  EXPECT_GT(static_cast<std::int64_t>(most * kMostSamples), 0);
-  EXPECT_LT(static_cast<std::int64_t>(least * kMostSamples), 0);
-  EXPECT_NEAR(mean_signed(most * kMostSamples, kMostSamples), 524288, 1e-3);
+  constexpr std::uint32_t kMaxSamples = 1u << 24;
+  EXPECT_GT(static_cast<std::int64_t>(most * kMaxSamples), 0);
+  EXPECT_LT(static_cast<std::int64_t>(least * kMaxSamples), 0);
+  EXPECT_NEAR(mean_signed(most * kMaxSamples, kMaxSamples), 524288, 1e-3);
   EXPECT_EQ(to_signed_word(std::nan("")), 0u);
   EXPECT_NEAR(mean_signed(to_signed_word(-0.75) + to_signed_word(0.25), 2), -0.25, 1e-6);
 }
