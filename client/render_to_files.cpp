@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,13 +14,14 @@
 #include "client/background_task.hpp"
 #include "client/checkpoint_keeper.hpp"
 #include "client/console.hpp"
+#include "client/image_files.hpp"
 #include "client/interrupt.hpp"
 #include "client/local_render.hpp"
 #include "client/notices.hpp"
 #include "client/page/local_view.hpp"
 #include "client/page/progress_lines.hpp"
-#include "client/picture_files.hpp"
 #include "client/render_report.hpp"
+#include "client/scene_flags.hpp"
 #include "client/tev_observer.hpp"
 #include "core/base/determinism_fingerprint.hpp"
 #include "core/base/version.hpp"
@@ -63,17 +63,20 @@ bool has_all_samples(const SharedFilm& film, std::uint32_t spp) {
 }
 
 // An image that is rendered again says what it said before: compatible versions give the same bytes.
+core::RenderRecord record_of(const RenderOptions& options, const LoadedScene& loaded) {
+  return {.version = options.record ? options.record->version : std::string(core::version()),
+          .fingerprint = std::string(core::kDeterminismFingerprint),
+          .scene = core::digest_text(loaded.digest),
+          .settings = loaded.stats.settings,
+          .frame = loaded.scene.frame()};
+}
+
 core::TextAttributes attributes_of_image(const RenderOptions& options, const LoadedScene& loaded,
                                          const SharedFilm& film) {
-  const core::RenderSettings& settings = loaded.stats.settings;
-  auto attributes =
-      core::attributes_of({.version = options.record ? options.record->version : std::string(core::version()),
-                           .fingerprint = std::string(core::kDeterminismFingerprint),
-                           .scene = core::digest_text(loaded.digest),
-                           .settings = settings,
-                           .frame = loaded.scene.frame(),
-                           .complete = has_all_samples(film, settings.spp)});
-  for (auto& attribute : core::crypto_attributes(settings.layers, loaded.names))
+  core::RenderRecord record = record_of(options, loaded);
+  record.complete = has_all_samples(film, record.settings.spp);
+  core::TextAttributes attributes = core::attributes_of(record);
+  for (auto& attribute : core::crypto_attributes(record.settings.layers, loaded.names))
     attributes.push_back(std::move(attribute));
   return attributes;
 }
@@ -82,12 +85,11 @@ core::TextAttributes attributes_of_image(const RenderOptions& options, const Loa
 Status write_images(const RenderOptions& options, const LoadedScene& loaded, const SharedFilm& film) {
   const core::RenderSettings& settings = loaded.stats.settings;
   if (settings.layers.empty())
-    return write_pictures(options.scene.output_paths, film.develop(), settings, loaded.display,
-                          attributes_of_image(options, loaded, film));
-  const LayerPicture picture{settings,
-                             [&](int tile) -> Result<core::Film::TileSums> { return film.tile(tile); },
-                             attributes_of_image(options, loaded, film)};
-  return write_layers(options.scene.output_paths, picture, loaded.display);
+    return write_image_files(options.scene.output_paths, film.develop(), settings, loaded.display,
+                             attributes_of_image(options, loaded, film));
+  const LayerImage image{settings, [&](int tile) -> Result<core::Film::TileSums> { return film.tile(tile); },
+                         attributes_of_image(options, loaded, film)};
+  return write_layers(options.scene.output_paths, image, loaded.display);
 }
 
 // Writes the image files every so often, where that is wanted.
@@ -116,16 +118,12 @@ void print_notices(Notices& notices, ProgressLine& progress) {
   }
 }
 
-// What the page calls the scene: its file's name, or its folder's if the file is just "scene.json".
-std::string scene_name(const std::filesystem::path& path) {
-  const std::string name = path.stem().string(), folder = path.parent_path().filename().string();
-  return name == "scene" && !folder.empty() ? folder : name;
-}
-
 // Null without --view.
 Result<std::unique_ptr<LocalView>> start_view(const RenderOptions& options, const LoadedScene& loaded) {
   if (!options.view) return nullptr;
-  auto view = LocalView::start(*options.view, scene_name(options.scene.scene_path), loaded.stats.settings,
+  ImageHeader header{record_of(options, loaded),
+                     core::crypto_attributes(loaded.stats.settings.layers, loaded.names)};
+  auto view = LocalView::start(*options.view, scene_name(options.scene.scene_path), std::move(header),
                                loaded.display);
   if (!view) return core::fail(view.error());
   if ((*view)->is_public()) print_warning("--view: everybody who reaches this address can see the image");

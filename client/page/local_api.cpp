@@ -187,7 +187,7 @@ LocalApi::Answer LocalApi::map() {
 }
 
 LocalApi::Answer LocalApi::image(const http::Request& request) {
-  return local_image(job_, *source_, request);
+  return local_image(job_, *source_, header_, request);
 }
 
 LocalApi::Answer LocalApi::thumbnail(const http::Request& request) {

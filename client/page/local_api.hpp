@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "client/page/local_image.hpp"
 #include "client/page/local_job.hpp"
 #include "core/http/server.hpp"
 #include "core/view/encoded_tiles.hpp"
@@ -18,8 +19,8 @@ namespace tessera::client {
 class LocalApi final : public http::Handler {
  public:
   // `job` must outlive the server.
-  LocalApi(const LocalJob& job, std::shared_ptr<view::TileSource> source)
-      : job_(job), source_(std::move(source)) {}
+  LocalApi(const LocalJob& job, std::shared_ptr<view::TileSource> source, ImageHeader header)
+      : job_(job), source_(std::move(source)), header_(std::move(header)) {}
 
   http::Reception receive(const http::Request& request) override;
   http::Response handle(const http::Request& request) override;
@@ -44,6 +45,7 @@ class LocalApi final : public http::Handler {
 
   const LocalJob& job_;
   const std::shared_ptr<view::TileSource> source_;
+  const ImageHeader header_;
   view::EncodedTiles tiles_{kCacheBytes};
   view::StreamBudget budget_{};
   view::StreamSettings streams_{tiles_, budget_};

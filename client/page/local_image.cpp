@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/film/develop.hpp"
 #include "core/image/encode.hpp"
 #include "core/view/shown_layer.hpp"
 #include "core/view/stream_query.hpp"
@@ -69,10 +70,36 @@ std::string file_name(const std::string& name, std::string_view ending) {
   return fmt::format("{}.{}", safe, ending);
 }
 
+// A part of the image is what a render of this crop window writes.
+core::TextAttributes attributes_of(const ImageHeader& header, const core::PixelRect& region, bool complete) {
+  core::RenderRecord record = header.record;
+  record.settings.crop = region;
+  record.complete = complete;
+  core::TextAttributes attributes = core::attributes_of(record);
+  attributes.insert(attributes.end(), header.attributes.begin(), header.attributes.end());
+  return attributes;
+}
+
+// The beauty with all layers.
+core::Result<std::uint64_t> write_layers(view::TileSource& source, const core::PixelRect& region,
+                                         core::ChannelRows channels, core::ImageFormat format,
+                                         const core::DisplaySettings& display, core::ByteSink& sink) {
+  const core::LayerSet layers = source.layers();
+  core::LayerRows rows(*source.grid(), region, layers,
+                       [&source](int tile) -> core::Result<core::Film::TileSums> {
+                         auto read = source.read({0, tile});
+                         if (!read) return core::fail(read.error());
+                         return std::move(read->sums);
+                       });
+  channels.channels = core::image_channels(layers);
+  channels.row = [&rows](int y) { return rows.row(y); };
+  return core::write_channels(channels, format, display, sink);
+}
+
 }  // namespace
 
 core::Result<http::Response> local_image(const LocalJob& job, view::TileSource& source,
-                                         const http::Request& request) {
+                                         const ImageHeader& header, const http::Request& request) {
   const std::string ending = request.parameter("format").value_or("png");
   const auto format = core::image_format_from_path("image." + ending);
   if (!format) return invalid("format", "must be png, exr, hdr or pfm");
@@ -84,10 +111,17 @@ core::Result<http::Response> local_image(const LocalJob& job, view::TileSource& 
   const auto layer = view::parse_layer(request.parameter("layer").value_or(""));
   if (!layer) return core::fail(layer.error());
   if (auto there = view::check_layer(source.layers(), *layer); !there) return core::fail(there.error());
-  view::TileRows rows(source, grid, *region, *layer);
+  core::TextAttributes attributes;
+  if (!*layer) attributes = attributes_of(header, *region, job.has_all_samples());
+  view::TileRows beauty(source, grid, *region, *layer);
+  core::RowSource rows = beauty.rows(job.settings().width_px, job.settings().height_px);
+  rows.attributes = attributes;
   StringSink sink;
-  const auto size = core::write_image(rows.rows(job.settings().width_px, job.settings().height_px), *format,
-                                      *display, sink);
+  const auto size =
+      *layer || source.layers().empty()
+          ? core::write_image(rows, *format, *display, sink)
+          : write_layers(source, *region, {rows.width, rows.height, {}, {}, rows.position, attributes},
+                         *format, *display, sink);
   if (!size) return core::fail(size.error());
   const std::string disposition =
       fmt::format("attachment; filename=\"{}\"", file_name(job.name(), core::image_format_name(*format)));

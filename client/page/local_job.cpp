@@ -93,9 +93,18 @@ std::string LocalJob::started_at() const {
   return to_text(created_);
 }
 
+std::uint64_t LocalJob::total_samples() const {
+  return std::uint64_t{settings_.window().pixel_count()} * settings_.spp;
+}
+
+bool LocalJob::has_all_samples() const {
+  const std::lock_guard lock(mutex_);
+  return samples_ >= total_samples();
+}
+
 view::JobHeader LocalJob::header() const {
   const std::lock_guard lock(mutex_);
-  const std::uint64_t total = std::uint64_t{settings_.window().pixel_count()} * settings_.spp;
+  const std::uint64_t total = total_samples();
   const double seconds = std::chrono::duration<double>(changed_ - began_).count();
   const double rate = seconds > 0 ? static_cast<double>(samples_ - first_samples_) / seconds : 0;
   const char* const end_state = samples_ >= total ? "done" : "cancelled";

@@ -30,6 +30,7 @@ class LocalJob {
   void add(std::uint64_t samples);
   void end();
 
+  bool has_all_samples() const;
   // In ASCII, so that no name can control a terminal.
   view::JobHeader header() const;
   // "2026-01-31T12:00:00Z"
@@ -37,6 +38,8 @@ class LocalJob {
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  std::uint64_t total_samples() const;
 
   const std::string name_;
   const core::RenderSettings settings_;

@@ -19,17 +19,17 @@ constexpr int kServerThreads = 3;
 
 }  // namespace
 
-LocalView::LocalView(const std::string& name, const core::RenderSettings& settings,
-                     const core::DisplaySettings& display)
-    : job_(name, settings, display),
-      source_(std::make_shared<view::FilmSource>(
-          kLocalJobId, core::TileGrid(settings.window(), core::kTilePx), [this] { return job_.header(); })),
-      api_(job_, source_) {}
+LocalView::LocalView(const std::string& name, ImageHeader header, const core::DisplaySettings& display)
+    : job_(name, header.record.settings, display),
+      source_(std::make_shared<view::FilmSource>(kLocalJobId,
+                                                 core::TileGrid(job_.settings().window(), core::kTilePx),
+                                                 [this] { return job_.header(); })),
+      api_(job_, source_, std::move(header)) {}
 
 core::Result<std::unique_ptr<LocalView>> LocalView::start(const std::string& address, const std::string& name,
-                                                          const core::RenderSettings& settings,
+                                                          ImageHeader header,
                                                           const core::DisplaySettings& display) {
-  std::unique_ptr<LocalView> view(new LocalView(name, settings, display));
+  std::unique_ptr<LocalView> view(new LocalView(name, std::move(header), display));
   auto server = http::Server::start({.address = address, .threads = kServerThreads}, view->api_);
   if (!server) return core::fail(server.error().within("--view"));
   view->server_ = std::move(*server);

@@ -19,9 +19,10 @@ inline constexpr const char* kDefaultViewAddress = "127.0.0.1:0";
 
 class LocalView final : public RenderObserver {
  public:
-  // Starts the server. `address`: HOST:PORT; `name`: of the scene.
+  // Starts the server. `address`: HOST:PORT; `name`: of the scene; `header`: of the images that are
+  // downloaded.
   static core::Result<std::unique_ptr<LocalView>> start(const std::string& address, const std::string& name,
-                                                        const core::RenderSettings& settings,
+                                                        ImageHeader header,
                                                         const core::DisplaySettings& display);
 
   // Of the page.
@@ -40,8 +41,7 @@ class LocalView final : public RenderObserver {
   void stay(const std::function<bool()>& should_stop);
 
  private:
-  LocalView(const std::string& name, const core::RenderSettings& settings,
-            const core::DisplaySettings& display);
+  LocalView(const std::string& name, ImageHeader header, const core::DisplaySettings& display);
 
   LocalJob job_;
   const std::shared_ptr<view::FilmSource> source_;

@@ -127,32 +127,49 @@ void develop_layers(LayerSet layers, const PixelRect& rect, const Film::TileSums
   assert(developer.complete());
 }
 
-LayerRows::LayerRows(const TileGrid& grid, LayerSet layers, TileSource tile)
-    : grid_(grid), layers_(layers), tile_(std::move(tile)), channels_(image_channels(layers).size()) {}
+LayerRows::LayerRows(const TileGrid& grid, const PixelRect& region, LayerSet layers, TileSource tile)
+    : grid_(grid),
+      region_(region),
+      layers_(layers),
+      tile_(std::move(tile)),
+      channels_(image_channels(layers).size()),
+      rows_(static_cast<std::size_t>(grid.tile_px()) * static_cast<std::size_t>(region.width()) * channels_) {
+}
 
 Result<const float*> LayerRows::row(int y) {
-  const std::size_t row_size = static_cast<std::size_t>(grid_.width()) * channels_;
-  const int tile_row = y / grid_.tile_px();
-  if (first_row_ != tile_row * grid_.tile_px()) {
-    first_row_ = -1;
-    rows_.resize(static_cast<std::size_t>(grid_.tile_px()) * row_size);
-    std::vector<float> values;
-    for (int column = 0; column < grid_.columns(); ++column) {
-      const int index = tile_row * grid_.columns() + column;
-      const PixelRect rect = grid_.rect(index);
-      const auto sums = tile_(index);
-      if (!sums) return fail(sums.error());
-      values.resize(rect.pixel_count() * channels_);
-      develop_layers(layers_, rect, *sums, values);
-      const std::size_t width = static_cast<std::size_t>(rect.width()) * channels_;
-      for (int row = 0; row < rect.height(); ++row)
-        std::copy_n(values.data() + static_cast<std::size_t>(row) * width, width,
-                    rows_.data() + static_cast<std::size_t>(row) * row_size +
-                        static_cast<std::size_t>(rect.x0 - grid_.window().x0) * channels_);
-    }
-    first_row_ = tile_row * grid_.tile_px();
+  const int y_of_window = region_.y0 + y - grid_.window().y0;
+  const int tile_row = y_of_window / grid_.tile_px();
+  if (tile_row_ != tile_row) {
+    if (auto developed = develop(tile_row); !developed) return fail(developed.error());
   }
-  return rows_.data() + static_cast<std::size_t>(y - first_row_) * row_size;
+  const auto row_size = static_cast<std::size_t>(region_.width()) * channels_;
+  return rows_.data() + static_cast<std::size_t>(y_of_window % grid_.tile_px()) * row_size;
+}
+
+Status LayerRows::develop(int tile_row) {
+  tile_row_ = -1;
+  std::vector<float> values;
+  const int first = grid_.tile_at(region_.x0, region_.y0) % grid_.columns();
+  const int last = grid_.tile_at(region_.x1 - 1, region_.y0) % grid_.columns();
+  for (int column = first; column <= last; ++column) {
+    const int index = tile_row * grid_.columns() + column;
+    const PixelRect rect = grid_.rect(index);
+    const auto sums = tile_(index);
+    if (!sums) return fail(sums.error());
+    values.resize(rect.pixel_count() * channels_);
+    develop_layers(layers_, rect, *sums, values);
+    const int x0 = std::max(rect.x0, region_.x0), x1 = std::min(rect.x1, region_.x1);
+    const auto channels_at = [this](int row, int width, int x) {
+      return (static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *
+             channels_;
+    };
+    for (int row = 0; row < rect.height(); ++row)
+      std::copy_n(values.data() + channels_at(row, rect.width(), x0 - rect.x0),
+                  static_cast<std::size_t>(x1 - x0) * channels_,
+                  rows_.data() + channels_at(row, region_.width(), x0 - region_.x0));
+  }
+  tile_row_ = tile_row;
+  return {};
 }
 
 }  // namespace tessera::core

@@ -31,23 +31,27 @@ std::vector<std::string> image_channels(LayerSet layers);
 // these.
 void develop_layers(LayerSet layers, const PixelRect& rect, const Film::TileSums& sums, std::span<float> to);
 
-// The rows of an image, tile row by tile row, from whatever has the sums. Not thread-safe.
+// The rows of an image or of a part of it, tile row by tile row, from whatever has the sums. Not thread-safe.
 class LayerRows {
  public:
   using TileSource = std::function<Result<Film::TileSums>(int tile)>;
-  LayerRows(const TileGrid& grid, LayerSet layers, TileSource tile);
+  // `region`: the pixels to develop, within the grid's window.
+  LayerRows(const TileGrid& grid, const PixelRect& region, LayerSet layers, TileSource tile);
 
-  // Row y of the grid's window from 0 at its top: image_channels() of each pixel side by side. Valid until
-  // the next call. Cheapest from the top down. Errors are those of the source.
+  // A row of the region, from 0: image_channels() of each pixel side by side. Valid until the next call.
+  // Cheapest from the top down. Errors are those of the source.
   Result<const float*> row(int y);
 
  private:
+  Status develop(int tile_row);
+
   TileGrid grid_;
+  PixelRect region_;
   LayerSet layers_;
   TileSource tile_;
   std::size_t channels_;
-  int first_row_ = -1;  // of the tiles in rows_
-  std::vector<float> rows_;
+  int tile_row_ = -1;        // the one that is developed
+  std::vector<float> rows_;  // its pixels in the columns of the region
 };
 
 }  // namespace tessera::core

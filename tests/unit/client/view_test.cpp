@@ -12,7 +12,6 @@
 #include <thread>
 #include <vector>
 
-#include "core/image/decode.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/client/glowing_sphere.hpp"
 #include "tests/unit/client/process.hpp"
@@ -91,13 +90,25 @@ TEST_F(View, ShowsTheImageWhileItIsRendered) {
 TEST_F(View, StaysWithTheFinishedImageUntilCtrlC) {
   const auto use = [&](const std::string& address) {
     EXPECT_EQ(nlohmann::json::parse(body(address, "/api/v1/jobs/local"))["state"], "done");
-    const auto shown = core::decode_image(body(address, "/api/v1/jobs/local/image?format=exr"));
-    ASSERT_TRUE(shown) << shown.error().message;
-    EXPECT_TRUE(shown->pixels == core::read_image(path("a.exr")).value().pixels);
+    EXPECT_TRUE(body(address, "/api/v1/jobs/local/image?format=exr") == read_file(path("a.exr")));
     EXPECT_THAT(body(address, "/api/v1/jobs/local/tiles"), HasSubstr(R"({"type":"end"})"));
   };
   const ProcessResult result = render({}, "the page stays at", use);
   EXPECT_EQ(result.exit_status, 0) << result.err;
+}
+
+TEST_F(View, DownloadsAreWhatARenderWrites) {
+  const auto use = [&](const std::string& address) {
+    const std::string image = "/api/v1/jobs/local/image?format=exr";
+    EXPECT_TRUE(body(address, image) == read_file(path("a.exr")));
+    write_file(path("part.exr"), body(address, image + "&region=10,20,90,75"));
+  };
+  const ProcessResult result = render({"--layers", "alpha,normal,crypto_object"}, "the page stays at", use);
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  const ProcessResult part = run_tessera({"render", path("scene.json"), "-o", path("crop.exr"), "--crop",
+                                          "10,20,90,75", "--layers", "alpha,normal,crypto_object"});
+  EXPECT_EQ(part.exit_status, 0) << part.err;
+  EXPECT_TRUE(read_file(path("part.exr")) == read_file(path("crop.exr")));
 }
 
 TEST_F(View, IsForThisMachineAndChangesNothing) {

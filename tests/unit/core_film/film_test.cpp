@@ -141,7 +141,7 @@ TEST(Film, IsBlackWithoutErrorWhereItHasNoSamples) {
   EXPECT_TRUE(copy == film);
 }
 
-TEST(Film, OfAWindowDevelopsToThosePixelsOfTheWholePicture) {
+TEST(Film, OfAWindowDevelopsToThosePixelsOfTheWholeImage) {
   const PixelRect window{13, 5, 47, 30};
   Film whole(TileGrid(50, 33, 16)), part(TileGrid(window, 16));
   whole.add(make_tile({0, 0, 50, 33}, {0, 5}));
@@ -175,7 +175,7 @@ TEST(SampleRange, CountsOddNumbers) {
   EXPECT_EQ((SampleRange{3, 8}).odd_count(), 3u);
 }
 
-TEST(TileGrid, CoversThePictureOnce) {
+TEST(TileGrid, CoversTheImageOnce) {
   const TileGrid grid(130, 65, 64);
   EXPECT_EQ(grid.tile_count(), 6);
   std::size_t pixels = 0;

@@ -273,14 +273,23 @@ TEST(Develop, RowsAreThoseOfTheTiles) {
   for (std::size_t i = 0; i < 110; ++i) tile.planes[1][i] = to_signed_word(static_cast<double>(i));
   for (Plane& plane : tile.planes) drop_zeros(plane);
   film.add(tile);
-  LayerRows rows(grid, layers, [&](int index) -> Result<Film::TileSums> { return film.tile(index); });
+  const auto sums = [&](int index) -> Result<Film::TileSums> { return film.tile(index); };
+  LayerRows rows(grid, grid.window(), layers, sums);
   for (const int y : {0, 1, 9, 3, 4}) {
     const auto row = rows.row(y);
     ASSERT_TRUE(row);
     for (int x = 0; x < 11; ++x)
       EXPECT_EQ((*row)[static_cast<std::size_t>(x) * 7 + 4], static_cast<float>(y * 11 + x));
   }
-  LayerRows broken(grid, layers,
+  const PixelRect region{2, 3, 9, 10};
+  LayerRows part(grid, region, layers, sums);
+  for (const int y : {0, 6, 1, 2}) {
+    const auto row = part.row(y);
+    ASSERT_TRUE(row);
+    for (int x = 0; x < region.width(); ++x)
+      EXPECT_EQ((*row)[static_cast<std::size_t>(x) * 7 + 4], static_cast<float>((y + 3) * 11 + x + 2));
+  }
+  LayerRows broken(grid, grid.window(), layers,
                    [](int) -> Result<Film::TileSums> { return fail(ErrorCode::kDataLoss, "lost"); });
   EXPECT_EQ(broken.row(2).error().message, "lost");
 }
