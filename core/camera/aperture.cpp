@@ -8,6 +8,13 @@
 #include "core/sampling/warp.hpp"
 
 namespace tessera::core {
+namespace {
+
+float cross(Vec2 a, Vec2 b) {
+  return a.x * b.y - a.y * b.x;
+}
+
+}  // namespace
 
 Aperture::Aperture(float radius, int blades, float rotation_degrees) : radius_(radius) {
   for (int corner = 0; blades > 0 && corner <= blades; ++corner) {
@@ -27,6 +34,23 @@ Vec2 Aperture::sample(Vec2 u) const {
   const std::size_t edge = std::min(static_cast<std::size_t>(along), edges - 1);
   const Vec2 a = corners_[edge], b = corners_[edge + 1];
   return (a + (b - a) * (along - static_cast<float>(edge))) * point.radius;
+}
+
+float Aperture::area() const {
+  if (corners_.empty()) return kPi * radius_ * radius_;
+  float doubled = 0;
+  for (std::size_t edge = 0; edge + 1 < corners_.size(); ++edge)
+    doubled += cross(corners_[edge], corners_[edge + 1]);
+  return doubled / 2;
+}
+
+bool Aperture::contains(Vec2 point) const {
+  if (corners_.empty()) return point.x * point.x + point.y * point.y <= radius_ * radius_;
+  for (std::size_t edge = 0; edge + 1 < corners_.size(); ++edge) {
+    const Vec2 a = corners_[edge], b = corners_[edge + 1];
+    if (cross(b - a, point - a) < 0) return false;
+  }
+  return true;
 }
 
 }  // namespace tessera::core

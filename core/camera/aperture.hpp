@@ -16,6 +16,10 @@ class Aperture {
   Aperture(float radius, int blades, float rotation_degrees);
 
   bool is_pinhole() const { return radius_ == 0; }
+  // Of the circle around it.
+  float radius() const { return radius_; }
+  float area() const;
+  bool contains(Vec2 point) const;
 
   // A uniform point on the area; the map is continuous. `u` is in [0, 1)^2.
   Vec2 sample(Vec2 u) const;

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/camera/camera.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include "core/math/elementary.hpp"
 
 namespace tessera::core {
@@ -30,14 +34,18 @@ Camera::Camera(const CameraDescription& description)
 }
 
 Ray Camera::ray(Vec2 raster, int width_px, int height_px, Vec2 u_lens) const {
+  if (type_ == CameraType::kPanoramic)
+    return panoramic_ray({raster.x / static_cast<float>(width_px), raster.y / static_cast<float>(height_px)});
+  return through_lens(chief_ray(raster, width_px, height_px), u_lens);
+}
+
+Camera::Line Camera::chief_ray(Vec2 raster, int width_px, int height_px) const {
   const auto width = static_cast<float>(width_px), height = static_cast<float>(height_px);
-  if (type_ == CameraType::kPanoramic) return panoramic_ray({raster.x / width, raster.y / height});
   const float pixel = height_ / height;
   const float x = (raster.x - (width / 2 - shift_.x * width)) * pixel;
   const float y = (height / 2 + shift_.y * height - raster.y) * pixel;
-  if (type_ == CameraType::kOrthographic)
-    return through_lens(position_ + right_ * x + up_ * y, forward_, u_lens);
-  return through_lens(position_, forward_ + right_ * x + up_ * y, u_lens);
+  if (type_ == CameraType::kOrthographic) return {position_ + right_ * x + up_ * y, forward_};
+  return {position_, forward_ + right_ * x + up_ * y};
 }
 
 float Camera::depth(Vec3 origin, Vec3 point) const {
@@ -46,11 +54,54 @@ float Camera::depth(Vec3 origin, Vec3 point) const {
   return along > 0 ? along : 0;
 }
 
-Ray Camera::through_lens(Vec3 position, Vec3 direction, Vec2 u_lens) const {
+Ray Camera::through_lens(const Line& line, Vec2 u_lens) const {
+  const auto& [position, direction] = line;
   if (aperture_.is_pinhole()) return Ray{position, normalize(direction)};
   const Vec2 lens = aperture_.sample(u_lens);
   const Vec3 offset = right_ * lens.x + up_ * lens.y;
   return Ray{position + offset, normalize(direction - offset / focus_distance_)};
+}
+
+Vec3 Camera::focus(Vec2 raster, int width_px, int height_px) const {
+  const auto [position, direction] = chief_ray(raster, width_px, height_px);
+  return position + direction * focus_distance_;
+}
+
+Vec3 Camera::lens_center(Vec3 focus) const {
+  return type_ == CameraType::kOrthographic ? focus - forward_ * focus_distance_ : position_;
+}
+
+// The lens is uniformly sampled. Seen from the focus, an area of it at the distance d takes up the solid
+// angle area * cosine / d^2.
+float Camera::lens_pdf(Vec3 direction) const {
+  const float cosine = dot(direction, forward_);
+  return focus_distance_ * focus_distance_ / (cosine * cosine * cosine * aperture_.area());
+}
+
+std::optional<Vec3> Camera::lens_point(Vec3 focus, Vec3 direction) const {
+  const float cosine = dot(direction, forward_);
+  if (!(cosine > 0)) return std::nullopt;
+  const Vec3 center = lens_center(focus);
+  const Vec3 offset = (focus - center) - direction * (focus_distance_ / cosine);
+  const Vec2 lens{dot(offset, right_), dot(offset, up_)};
+  if (!aperture_.contains(lens)) return std::nullopt;
+  return center + right_ * lens.x + up_ * lens.y;
+}
+
+DoubleCone Camera::lens_cone(Vec3 focus) const {
+  const Vec3 line = focus - lens_center(focus);
+  const float distance = length(line);
+  const float sine = std::min(1.0f, aperture_.radius() / distance);
+  return {focus, line / distance, std::sqrt(1 - sine * sine), sine};
+}
+
+float Camera::share_of_lens(float area, Vec3 point, float radius) const {
+  const float depth = dot(point - position_, forward_);
+  if (depth + radius <= 0) return 0;
+  const float gap = std::fabs(depth - focus_distance_) - radius;
+  if (!(gap > 0)) return std::numeric_limits<float>::infinity();
+  const float scale = focus_distance_ / gap;
+  return area * scale * scale / aperture_.area();
 }
 
 // `image` is in units of its width and height, from the top left.

@@ -2,8 +2,11 @@
 // The camera of a scene: which rays sample a pixel. Immutable.
 #pragma once
 
+#include <optional>
+
 #include "core/camera/aperture.hpp"
 #include "core/camera/camera_description.hpp"
+#include "core/geometry/double_cone.hpp"
 #include "core/geometry/ray.hpp"
 #include "core/math/frame.hpp"
 
@@ -21,11 +24,35 @@ class Camera {
   // cameras, their distance. Not negative.
   float depth(Vec3 origin, Vec3 point) const;
 
+  // Whether the rays of a point of the image start at different points, those of a lens. If so, all of them
+  // pass through one point in focus, from which the following functions start.
+  bool has_lens() const { return type_ != CameraType::kPanoramic && !aperture_.is_pinhole(); }
+  // The direction of the line of sight; unit length.
+  Vec3 forward() const { return forward_; }
+  // The point in focus of `raster`.
+  Vec3 focus(Vec2 raster, int width_px, int height_px) const;
+  // The density, per solid angle at the point in focus, with which ray() generates the unit direction of a
+  // ray that comes from the lens.
+  float lens_pdf(Vec3 direction) const;
+  // Where a ray along the unit direction that meets the point in focus comes from; nothing beside the lens.
+  std::optional<Vec3> lens_point(Vec3 focus, Vec3 direction) const;
+  // Contains the rays of a point in focus, continued backwards.
+  DoubleCone lens_cone(Vec3 focus) const;
+  // The share of the lens that `area` fills when a point in focus projects it from `point`, or at most from
+  // `radius` away, onto the lens. 0 if it is behind the lens, infinity if it may be in focus.
+  float share_of_lens(float area, Vec3 point, float radius) const;
+
  private:
+  // A line through the middle of the lens; `direction` is 1 long along the line of sight.
+  struct Line {
+    Vec3 position, direction;
+  };
+  Line chief_ray(Vec2 raster, int width_px, int height_px) const;
+  // The middle of the lens, from which the ray to a point in focus comes.
+  Vec3 lens_center(Vec3 focus) const;
   Ray panoramic_ray(Vec2 image) const;
-  // A ray from a point of the lens that meets `position` + t `direction` at the focus distance; `direction`
-  // is 1 long along the line of sight.
-  Ray through_lens(Vec3 position, Vec3 direction, Vec2 u_lens) const;
+  // A ray from a point of the lens that meets `line` at the focus distance.
+  Ray through_lens(const Line& line, Vec2 u_lens) const;
 
   CameraType type_ = CameraType::kPerspective;
   Vec3 position_;

@@ -69,6 +69,7 @@ PathTracer::PathTracer(const RenderPlan& plan, std::span<const Sampler> samplers
       light_sampler_(plan.light_sampler()),
       compensation_(mis_compensation(settings_.integrator)),
       guide_(plan.guide()),
+      lens_lights_(plan.lens_lights()),
       samplers_(samplers),
       radiance_(radiance),
       parts_(parts),
@@ -191,11 +192,13 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
     const std::uint32_t light = scene_.light_of(*paths.hits[lane]);
     if (light == kNoLight) continue;
-    SurfacePoint point;
-    point.position = Vec3Lanes(vertices.position())[lane];
-    point.uv = {FloatLanes(vertices.surface().uv.x)[lane], FloatLanes(vertices.surface().uv.y)[lane]};
-    add_emission(*paths.heads[lane], point, Vec3Lanes(vertices.wo())[lane], light, paths.rays[lane]->time,
-                 depth);
+    const Vec2Of<Float8>& uv = vertices.surface().uv;
+    const Vec2 uv_of_lane{FloatLanes(uv.x)[lane], FloatLanes(uv.y)[lane]};
+    add_emission(
+        *paths.heads[lane],
+        {Vec3Lanes(vertices.position())[lane], scene_.primitives().uv_sets(*paths.hits[lane], uv_of_lane),
+         Vec3Lanes(vertices.wo())[lane], light, paths.rays[lane]->time},
+        depth);
   }
   if (paths.continuing == 0) return;
   const Guidance guidance = guidance_at(vertices);
@@ -228,14 +231,24 @@ void PathTracer::add_environment(const Paths& paths, int depth) {
 }
 
 // Adds emission hit by the ray itself.
-void PathTracer::add_emission(const PathHead& head, const SurfacePoint& surface, Vec3 wo, std::uint32_t light,
-                              float time, int depth) {
-  scene_.with_area_light(light, time, [&](const AreaLight& area) {
-    const float weight =
-        emitter_hit_weight(light, head, [&] { return area.pdf(head.last.position, surface.position); });
+void PathTracer::add_emission(const PathHead& head, const EmitterHit& hit, int depth) {
+  scene_.with_area_light(hit.light, hit.time, [&](const AreaLight& area) {
+    const auto pdf = [&] { return area.pdf(head.last.position, hit.position); };
+    const float weight = depth == 0 && lens_lights_ != nullptr ? camera_ray_weight(head, hit, pdf())
+                                                               : emitter_hit_weight(hit.light, head, pdf);
     if (weight > 0)
-      add(head.path, head.throughput * area.emitted(scene_.textures(), surface, wo) * weight, depth, light);
+      add(head.path, head.throughput * area.emitted(scene_.textures(), hit.position, hit.uv, hit.wo) * weight,
+          depth, hit.light);
   });
+}
+
+// The weight of light that a camera ray found, against connections to the lens.
+float PathTracer::camera_ray_weight(const PathHead& head, const EmitterHit& hit, float light_pdf) const {
+  return lens_lights_->weight(settings_.heuristic, {.focus = head.last.position,
+                                                    .direction = -hit.wo,
+                                                    .time = hit.time,
+                                                    .light = hit.light,
+                                                    .light_pdf = light_pdf});
 }
 
 // The weight of light that a BSDF sample found. If the previous vertex could also have sampled it, `nee`
@@ -284,11 +297,8 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
   const RayLanes rays(vertices.rays_toward(lights));
   for (unsigned lanes = found.bits(); lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    assert(connection_count_ < kBatchPaths);
-    shadow_rays_[connection_count_] = rays[lane];
-    shadow_rays_[connection_count_].time = paths.rays[lane]->time;
-    connections_[connection_count_] = {paths.heads[lane]->path, gained[lane], choices[lane].light};
-    ++connection_count_;
+    add_connection(rays[lane], paths.rays[lane]->time,
+                   {paths.heads[lane]->path, gained[lane], choices[lane].light});
   }
 }
 

@@ -35,15 +35,23 @@ class PathTracer {
   PathTracer(const RenderPlan& plan, std::span<const Sampler> samplers, std::span<Rgb> radiance,
              std::span<LightParts> parts = {});
 
-  // Starts path `path`, which must not be active, with a camera ray.
-  void begin(const Ray& ray, std::uint32_t path) {
+  // Starts path `path`, which must not be active, with a camera ray. `focus` is where the camera has the ray
+  // in focus, if the plan has lens lights.
+  void begin(const Ray& ray, std::uint32_t path, Vec3 focus = {}) {
     assert(path < samplers_.size());
     radiance_[path] = {};
     depths_[path] = 0;
     if (clamps_) indirect_[path] = {};
     if (!parts_.empty()) parts_[path].clear();
-    waiting_.front().push(ray, {.path = path});
+    waiting_.front().push(ray, {.path = path, .last = {focus, {}}});
   }
+  // Adds light that arrives at the lens to a path that has begun, unless something is in the way. For up to
+  // kBatchPaths connections, which are traced together by add_connections(), before the next step.
+  void connect(std::uint32_t path, const LensLights::Connection& connection) {
+    add_connection(connection.ray, connection.ray.time, {path, connection.radiance, connection.light});
+  }
+  void add_connections(RenderCounters& counters) { add_unoccluded(counters, kAtLens); }
+
   // Advances up to kBatchPaths paths by one step, at the depth where most paths wait. Some path must be
   // active. Returns the paths that have ended, valid until the next step. Rays are counted in `counters`.
   std::span<const std::uint32_t> step(RenderCounters& counters);
@@ -70,9 +78,17 @@ class PathTracer {
   template <typename PadAt>
   std::array<Float8, 4> numbers(const Paths& paths, int depth, PadAt pad_at) const;
   void add_environment(const Paths& paths, int depth);
-  void add_emission(const PathHead& head, const SurfacePoint& surface, Vec3 wo, std::uint32_t light,
-                    float time, int depth);
+  // A point of an area light that a ray has hit.
+  struct EmitterHit {
+    Vec3 position;
+    UvSets uv;
+    Vec3 wo;
+    std::uint32_t light;
+    float time;
+  };
+  void add_emission(const PathHead& head, const EmitterHit& hit, int depth);
   Float8 times_of(const Paths& paths) const;
+  float camera_ray_weight(const PathHead& head, const EmitterHit& hit, float light_pdf) const;
   template <typename Pdf>
   float emitter_hit_weight(std::uint32_t light, const PathHead& head, Pdf pdf) const;
   using Guidance = LightGuide::GuidanceOf<Float8>;
@@ -88,6 +104,15 @@ class PathTracer {
   template <typename Vertices>
   Directions choose_directions(const Vertices& vertices, const Guidance& guidance, Vec2Of<Float8> u,
                                Float8 u_lobe) const;
+  void add_connection(const Ray& ray, float time, const Connection& connection) {
+    assert(connection_count_ < kBatchPaths);
+    shadow_rays_[connection_count_] = ray;
+    shadow_rays_[connection_count_].time = time;
+    connections_[connection_count_] = connection;
+    ++connection_count_;
+  }
+  // The depth of the lens, where light arrives that was never scattered.
+  static constexpr int kAtLens = -1;
   void add_unoccluded(RenderCounters& counters, int depth);
   void add_transmitted(std::size_t count, RenderCounters& counters, int depth);
   // Adds light of the light of this index that was scattered this many times.
@@ -101,7 +126,8 @@ class PathTracer {
   const RenderSettings settings_;
   const LightSampler& light_sampler_;
   const MisCompensation compensation_;
-  const LightGuide* const guide_;  // null if there is none
+  const LightGuide* const guide_;        // null if there is none
+  const LensLights* const lens_lights_;  // null if there are none
 
   const std::span<const Sampler> samplers_;
   const std::span<Rgb> radiance_;

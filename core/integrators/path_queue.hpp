@@ -28,9 +28,8 @@ struct PathHead {
   std::uint32_t path = 0;         // the index passed to PathTracer::begin
   Rgb throughput = Rgb::gray(1);  // product of the BSDF weights, which multiplies radiance found
   float eta_scale = 1;            // undoes the compression of radiance by refraction in `throughput`
-  float last_pdf = kDeltaPdf;     // of the ray's direction, per solid angle; kDeltaPdf also at the camera,
-                                  // whose rays find lights that no other technique could
-  LightSampleContext last{};      // where the ray was scattered
+  float last_pdf = kDeltaPdf;     // of the ray's direction, per solid angle; kDeltaPdf also at the camera
+  LightSampleContext last{};      // where the ray was scattered; of a camera ray, where it is in focus
   float emitter_mis_scale = 1;    // scales emission that the ray hits; 0 for guided rays
   float guiding_pdf_ratio = 1;    // product of mixture density / BSDF density, for roulette
 };

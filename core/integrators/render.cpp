@@ -125,6 +125,7 @@ class Renderer {
   void send_camera_rays() {
     for (std::size_t i = 0; i < begun_.size(); i += kLaneCount)
       send_batch(std::span(begun_).subspan(i, std::min(kLaneCount, begun_.size() - i)));
+    if (plan_.lens_lights() != nullptr) path_tracer_.add_connections(counters_);
     counters_.samples += begun_.size();
     counters_.closest_hit_rays += layers_.add_surfaces();
     begun_.clear();
@@ -139,20 +140,48 @@ class Renderer {
     FloatLanes time{};
     if (scene_.has_motion()) time = FloatLanes(Sampler::pads(samplers, kTimePad)[0]);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
-      const SampleId id = samples_[numbers[i]].id;
-      const Vec2 raster = sample_raster(settings_.filter, id.x, id.y, {u_x[i], u_y[i]});
+      const Vec2 raster = raster_of(numbers[i], {u_x[i], u_y[i]});
       send(
           scene_.camera_ray(raster, settings_.width_px, settings_.height_px, {lens_u[i], lens_v[i]}, time[i]),
-          numbers[i]);
+          raster, numbers[i]);
     }
+    if (plan_.lens_lights() != nullptr) connect_lens(numbers, samplers, time);
   }
 
-  void send(const Ray& ray, std::uint32_t number) {
+  void send(const Ray& ray, Vec2 raster, std::uint32_t number) {
     layers_.begin(ray, samples_[number].id, samplers_[number]);
     const SampleTracer trace = plan_.sample_tracer();
-    if (trace == nullptr) return path_tracer_.begin(ray, number);
+    if (trace == nullptr && plan_.lens_lights() == nullptr) return path_tracer_.begin(ray, number);
+    if (trace == nullptr) return path_tracer_.begin(ray, number, focus_of(raster, ray.time));
     radiance_[number] = trace(plan_, samplers_[number], ray, counters_, layers_.parts_of(number));
     deposit_or_report(number);
+  }
+
+  // Of a point of the image. Apart, as what few scenes need.
+  [[gnu::noinline]] Vec3 focus_of(Vec2 raster, float time) const {
+    return scene_.with_camera(time, [&](const Camera& camera) {
+      return camera.focus(raster, settings_.width_px, settings_.height_px);
+    });
+  }
+
+  Vec2 raster_of(std::uint32_t number, Vec2 u) const {
+    const SampleId id = samples_[number].id;
+    return sample_raster(settings_.filter, id.x, id.y, u);
+  }
+
+  [[gnu::noinline]] void connect_lens(std::span<const std::uint32_t> numbers,
+                                      const std::array<const Sampler*, kLaneCount>& samplers,
+                                      const FloatLanes& time) {
+    const auto of_camera = Sampler::pads(samplers, kCameraPad);
+    const FloatLanes u_x(of_camera[0]), u_y(of_camera[1]);
+    const auto pads = Sampler::pads(samplers, kLensLightPad);
+    const FloatLanes u(pads[0]), v(pads[1]), coarse(pads[2]), fine(pads[3]);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      const Vec3 focus = focus_of(raster_of(numbers[i], {u_x[i], u_y[i]}), time[i]);
+      const auto connection =
+          plan_.lens_lights()->connect(settings_.heuristic, focus, time[i], {u[i], v[i], coarse[i], fine[i]});
+      if (connection) path_tracer_.connect(numbers[i], *connection);
+    }
   }
 
   // Deposits samples whose paths end in the next step.

@@ -23,6 +23,11 @@ bool uses_guide(const Scene& scene, Integrator integrator) {
   return (integrator == Integrator::kNee || integrator == Integrator::kMis) && !scene.has_media();
 }
 
+// Batches of paths weigh what camera rays hit against it.
+bool uses_lens_lights(const Scene& scene, Integrator integrator) {
+  return integrator == Integrator::kMis && !scene.has_media();
+}
+
 SampleTracer sample_tracer_for(const Scene& scene, Integrator integrator) {
   if (integrator == Integrator::kWhitted) return trace_whitted;
   return scene.has_media() ? trace_volume_path : nullptr;
@@ -35,6 +40,7 @@ RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threa
   prepared->light_sampler = light_sampler_for(scene, settings.integrator, threads);
   if (uses_guide(scene, settings.integrator))
     prepared->guide = build_caustic_guide(scene, prepared->light_sampler, threads);
+  if (uses_lens_lights(scene, settings.integrator)) prepared->lens_lights = LensLights(scene, threads);
   prepared->material_bins = material_bins(scene.materials());
   prepared->sample_tracer = sample_tracer_for(scene, settings.integrator);
   return {scene, settings, std::move(prepared)};

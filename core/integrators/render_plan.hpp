@@ -11,6 +11,7 @@
 #include "core/base/mutex.hpp"
 #include "core/film/film.hpp"
 #include "core/guiding/light_guide.hpp"
+#include "core/integrators/lens_lights.hpp"
 #include "core/integrators/light_parts.hpp"
 #include "core/integrators/shading_bins.hpp"
 #include "core/lights/light_sampler.hpp"
@@ -38,6 +39,10 @@ class RenderPlan {
   const LightSampler& light_sampler() const { return prepared_->light_sampler; }
   // Where caustics come from; null if the integrator uses no guide or there are none.
   const LightGuide* guide() const { return prepared_->guide.cells().empty() ? nullptr : &prepared_->guide; }
+  // The lamps that the lens connects to; null if the integrator or the camera does not, or there are none.
+  const LensLights* lens_lights() const {
+    return prepared_->lens_lights.empty() ? nullptr : &prepared_->lens_lights;
+  }
   std::span<const MaterialBin> material_bins() const { return prepared_->material_bins; }
   // Null if the integrator traces batches of paths (path.hpp).
   SampleTracer sample_tracer() const { return prepared_->sample_tracer; }
@@ -50,6 +55,7 @@ class RenderPlan {
   struct Prepared {
     LightSampler light_sampler;
     LightGuide guide;
+    LensLights lens_lights;
     std::vector<MaterialBin> material_bins;
     SampleTracer sample_tracer = nullptr;
   };

@@ -70,6 +70,8 @@ inline constexpr std::uint32_t kCameraPad = 0;  // pixel x, y; lens u, v
 // The time at which the camera sends the ray, if the shutter is open for some time; the other numbers of the
 // pad are unused. Its name is a hash, so that other pads keep their numbers.
 inline constexpr std::uint32_t kTimePad = static_cast<std::uint32_t>(hash(0x74696d6500000000u, 0));
+// The lamp that the lens connects to: u, v; choice, coarse and fine. Its name is a hash, too.
+inline constexpr std::uint32_t kLensLightPad = static_cast<std::uint32_t>(hash(0x6c656e7300000000u, 0));
 // At path vertex `depth` (the first surface the camera sees is 0):
 inline constexpr std::uint32_t scatter_pad(int depth) {
   return 1 + 2 * static_cast<std::uint32_t>(depth);

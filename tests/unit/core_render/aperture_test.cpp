@@ -133,6 +133,30 @@ TEST_P(PolygonalAperture, ReachesEveryCorner) {
   }
 }
 
+// What it contains of a grid of points, against its area.
+TEST_P(PolygonalAperture, ContainsItsArea) {
+  const Aperture aperture(kRadius, GetParam(), kRotationDegrees);
+  const double expected = area(expected_polygon(GetParam()));
+  EXPECT_NEAR(static_cast<double>(aperture.area()), expected, 1e-5);
+  constexpr int kSide = 700;
+  int contained = 0;
+  for (int y = -kSide; y < kSide; ++y)
+    for (int x = -kSide; x < kSide; ++x) {
+      const Vec2 point{(static_cast<float>(x) + 0.5f) * (kRadius / kSide),
+                       (static_cast<float>(y) + 0.5f) * (kRadius / kSide)};
+      contained += aperture.contains(point) ? 1 : 0;
+    }
+  const double cell = double{kRadius} * double{kRadius} / (kSide * kSide);
+  EXPECT_NEAR(contained * cell, expected, 2e-3 * expected);
+}
+
+TEST(Aperture, OfADiskContainsIt) {
+  const Aperture disk(0.5f, 0, 0);
+  EXPECT_FLOAT_EQ(disk.area(), kPi / 4);
+  EXPECT_TRUE(disk.contains({0.3f, -0.39f}));
+  EXPECT_FALSE(disk.contains({0.3f, -0.41f}));
+}
+
 TEST(Aperture, IsAPinholeWithoutARadius) {
   EXPECT_TRUE(Aperture(0, 6, 10).is_pinhole());
   EXPECT_FALSE(Aperture(0.1f, 0, 0).is_pinhole());

@@ -4,8 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "core/lights/equirectangular.hpp"
+#include "core/math/frame.hpp"
+#include "core/sampling/sampler.hpp"
 #include "tests/support/near.hpp"
 
 namespace tessera::core {
@@ -19,6 +23,83 @@ TEST(Camera, SeesRightToTheRightAndUpAbove) {
   expect_near(camera.ray({100, 0}, 200, 100, {}).direction, normalize({0, 1, -1}), 1e-5f);
   expect_near(camera.ray({200, 50}, 200, 100, {}).direction, normalize({2, 0, -1}), 1e-5f);
   expect_near(camera.ray({0, 100}, 200, 100, {}).direction, normalize({-2, -1, -1}), 1e-5f);
+}
+
+std::vector<CameraDescription> lenses() {
+  CameraDescription disk = kAhead;
+  disk.aperture_radius = 0.5f;
+  disk.focus_distance = 4;
+  disk.lens_shift = {0.2f, -0.1f};
+  CameraDescription blades = disk, parallel = disk;
+  blades.aperture_blades = 5;
+  blades.aperture_rotation_degrees = 30;
+  blades.mirrored = true;
+  parallel.type = CameraType::kOrthographic;
+  parallel.view_height = 3;
+  return {disk, blades, parallel};
+}
+
+TEST(Camera, KnowsWhereOnTheLensARayComesFrom) {
+  for (const CameraDescription& description : lenses()) {
+    const Camera camera(description);
+    ASSERT_TRUE(camera.has_lens());
+    for (int i = 0; i < 1000; ++i) {
+      const auto u = Sampler(3, i, 0, 0).pad(0);
+      const Vec2 raster{200 * u[0], 100 * u[1]};
+      // Not at the edge, which rounding may put on either side.
+      const Ray ray = camera.ray(raster, 200, 100, {0.02f + 0.96f * u[2], 0.02f + 0.96f * u[3]});
+      const Vec3 focus = camera.focus(raster, 200, 100);
+      const auto origin = camera.lens_point(focus, ray.direction);
+      ASSERT_TRUE(origin);
+      expect_near(*origin, ray.origin, 5e-6f);
+      const DoubleCone cone = camera.lens_cone(focus);
+      EXPECT_EQ(cone.apex, focus);
+      EXPECT_GE(dot(ray.direction, cone.axis), cone.cosine - 1e-6f);
+      EXPECT_FALSE(camera.lens_point(focus, -ray.direction));
+    }
+  }
+}
+
+// The solid angle of the lens at the focus, once as the mean of 1 / density over rays, and once by directions
+// that come from the lens.
+TEST(Camera, KnowsTheDensityOfItsRays) {
+  for (const CameraDescription& description : lenses()) {
+    const Camera camera(description);
+    constexpr int kSamples = 100'000;
+    constexpr Vec2 kRaster{170, 15};
+    const Vec3 focus = camera.focus(kRaster, 200, 100);
+    const DoubleCone cone = camera.lens_cone(focus);
+    const Frame frame = Frame::around(cone.axis);
+    double by_rays = 0;
+    int from_lens = 0;
+    for (int i = 0; i < kSamples; ++i) {
+      const auto u = Sampler(4, i % 500, i / 500, 0).pad(0);
+      by_rays +=
+          1 / static_cast<double>(camera.lens_pdf(camera.ray(kRaster, 200, 100, {u[0], u[1]}).direction));
+      const float z = 1 - u[2] * (1 - cone.cosine), r = std::sqrt(1 - z * z), turns = 2 * kPi * u[3];
+      const Vec3 direction = frame.to_world({r * std::cos(turns), r * std::sin(turns), z});
+      from_lens += camera.lens_point(focus, direction) ? 1 : 0;
+    }
+    const double of_cone = static_cast<double>(2 * kPi * (1 - cone.cosine));
+    EXPECT_NEAR(by_rays / kSamples, of_cone * from_lens / kSamples, 0.01 * by_rays / kSamples);
+  }
+}
+
+TEST(Camera, KnowsTheShareOfTheLensThatSomethingFills) {
+  const Camera camera(lenses()[0]);  // in focus at z = -1
+  const float lens = kPi / 4;
+  EXPECT_FLOAT_EQ(camera.share_of_lens(0.01f, {9, 2, -3}, 0), 0.01f * 4 / lens);
+  EXPECT_FLOAT_EQ(camera.share_of_lens(0.01f, {9, 2, 1}, 0), 0.01f * 4 / lens) << "before the focus";
+  EXPECT_FLOAT_EQ(camera.share_of_lens(0.01f, {9, 2, -3}, 1), 0.01f * 16 / lens);
+  EXPECT_EQ(camera.share_of_lens(0.01f, {9, 2, -3}, 2), std::numeric_limits<float>::infinity());
+  EXPECT_EQ(camera.share_of_lens(0.01f, {9, 2, 4}, 0.5f), 0) << "behind the lens";
+}
+
+TEST(Camera, HasALensIfItBlurs) {
+  EXPECT_FALSE(Camera(kAhead).has_lens());
+  CameraDescription all_around = lenses()[0];
+  all_around.type = CameraType::kPanoramic;
+  EXPECT_FALSE(Camera(all_around).has_lens());
 }
 
 TEST(Camera, PinholeRaysStartAtItsPosition) {
