@@ -130,6 +130,13 @@ std::optional<unsigned> positive_number(const std::string& text) {
   return number;
 }
 
+// A batch system knows this process; OMP_NUM_THREADS often stands in a user's profile for all of them.
+std::optional<unsigned> wanted_threads(const ResourceSources& sources) {
+  for (const char* const name : {"SLURM_CPUS_PER_TASK", "OMP_NUM_THREADS"})
+    if (const auto number = positive_number(sources.variable(name))) return number;
+  return std::nullopt;
+}
+
 // Where OMP_PROC_BIND or OMP_PLACES is set, OpenMP has bound the first thread to one place before main(), and
 // knows the mask before that.
 unsigned processors_of_mask() {
@@ -157,10 +164,8 @@ ResourceSources this_process() {
 }
 
 unsigned available_threads(const ResourceSources& sources) {
-  unsigned threads = std::min(quota_threads(sources.root), sources.affinity_processors);
-  for (const char* const name : {"SLURM_CPUS_PER_TASK", "OMP_NUM_THREADS"})
-    threads = std::min(threads, positive_number(sources.variable(name)).value_or(threads));
-  return std::clamp(threads, 1u, kMaxThreads);
+  const unsigned granted = std::min(quota_threads(sources.root), sources.affinity_processors);
+  return std::clamp(std::min(granted, wanted_threads(sources).value_or(granted)), 1u, kMaxThreads);
 }
 
 std::uint64_t available_memory_bytes(const ResourceSources& sources) {

@@ -21,9 +21,9 @@ struct ResourceSources {
 };
 ResourceSources this_process();
 
-// The least of: the processor quota of the control groups, rounded up; the affinity mask;
-// SLURM_CPUS_PER_TASK; OMP_NUM_THREADS, of which the first number counts. Variables that are no positive
-// numbers are ignored. At least 1, at most 1024.
+// What SLURM_CPUS_PER_TASK says or, without that, the first number of OMP_NUM_THREADS; at most the processor
+// quota of the control groups, rounded up, and the processors of the affinity mask. Variables that are no
+// positive numbers are ignored. At least 1, at most 1024.
 unsigned available_threads(const ResourceSources& sources = this_process());
 
 // The least of the machine's memory and the limits of the control groups, in bytes.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The film: exact sums of samples, and the picture they develop into.
+// The film: exact sums of samples, and the image they develop into.
 //
 // A FilmTile is what one call of render() returns and what travels between machines; a Film is the
-// accumulation of them over a picture, or a window of one. Neither is thread-safe; different tiles of one
+// accumulation of them over an image, or a window of one. Neither is thread-safe; different tiles of one
 // Film may not be added concurrently.
 #pragma once
 
@@ -85,7 +85,7 @@ class Film {
   // Replaces one grid tile's content. The sizes must be those of the tile, or 0 if there are no samples.
   void restore(int index, const TileSums& sums);
 
-  // The pictures are of the grid's window, and of its size.
+  // The images are of the grid's window, and of its size.
   // Linear radiance: each pixel the mean of the samples it has so far; black where it has none.
   Image develop() const;
 

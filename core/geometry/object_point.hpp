@@ -30,17 +30,28 @@ struct TriangleAtHit {
   T b1, b2;
 };
 
+// The weights of the corners. b1 and b2 are rounded separately, so their sum may slightly exceed 1.
+template <typename T>
+std::array<WideOf<T>, 3> corner_weights(T b1, T b2) {
+  using D = WideOf<T>;
+  const D w1 = widened(b1), w2 = widened(b2), w0 = larger(D(0.0), 1.0 - w1 - w2);
+  const D sum = w0 + w1 + w2;
+  return {w0 / sum, w1 / sum, w2 / sum};
+}
+
+template <typename T, typename D>
+Vec2Of<T> interpolated(const std::array<Vec2Of<T>, 3>& uvs, const std::array<D, 3>& weights) {
+  return uvs[0] * to_float(weights[0]) + uvs[1] * to_float(weights[1]) + uvs[2] * to_float(weights[2]);
+}
+
 template <typename T>
 ObjectPointOf<T> point_of_triangle(const TriangleAtHit<T>& triangle) {
   using D = WideOf<T>;
   using Wide = Vec3dOf<D>;
-  // The weights of the corners. b1 and b2 are rounded separately, so their sum may slightly exceed 1.
-  D b1 = widened(triangle.b1), b2 = widened(triangle.b2), b0 = larger(D(0.0), 1.0 - b1 - b2);
-  const D sum = b0 + b1 + b2;
-  b0 = b0 / sum, b1 = b1 / sum, b2 = b2 / sum;
+  const std::array<D, 3> weights = corner_weights(triangle.b1, triangle.b2);
+  const auto& [b0, b1, b2] = weights;
   const auto& [c0, c1, c2] = triangle.corners;
   const auto& [n0, n1, n2] = triangle.normals;
-  const auto& [uv0, uv1, uv2] = triangle.uvs;
   const Wide p0 = b0 * Wide(c0), p1 = b1 * Wide(c1), p2 = b2 * Wide(c2);
 
   ObjectPointOf<T> point;
@@ -49,7 +60,7 @@ ObjectPointOf<T> point_of_triangle(const TriangleAtHit<T>& triangle) {
   point.geometric_normal = cross(Wide(c1) - Wide(c0), Wide(c2) - Wide(c0));
   const Wide normal = b0 * Wide(n0) + b1 * Wide(n1) + b2 * Wide(n2);
   point.shading_normal = select(length(normal) > 1e-6, normal, Wide{});
-  point.uv = uv0 * to_float(b0) + uv1 * to_float(b1) + uv2 * to_float(b2);
+  point.uv = interpolated(triangle.uvs, weights);
   return point;
 }
 

@@ -44,7 +44,7 @@ void Primitives::reserve(std::size_t vertices, std::size_t triangles) {
 void Primitives::add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& normals,
                           const std::vector<Vec2>& uvs, std::vector<Triangle> triangles,
                           const std::vector<std::uint32_t>& triangle_materials,
-                          const std::vector<Rgb>& colors) {
+                          const std::vector<Rgb>& colors, const std::vector<Vec2>& second_uvs) {
   const std::size_t first = positions_.size();
   append(positions_, std::move(positions));
   if (!normals.empty() || !normals_.empty()) {
@@ -58,6 +58,7 @@ void Primitives::add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& 
     uvs_.insert(uvs_.end(), uvs.begin(), uvs.end());
     uvs_.resize(positions_.size());
   }
+  append_second_uvs(second_uvs, first);
   if (!colors.empty() || !colors_.empty()) {
     colors_.resize(first, Rgb::gray(1));
     colors_.insert(colors_.end(), colors.begin(), colors.end());
@@ -75,6 +76,25 @@ void Primitives::add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& 
     triangle_materials_.insert(triangle_materials_.end(), triangle_materials.begin(),
                                triangle_materials.end());
   }
+}
+
+// After the first ones.
+void Primitives::append_second_uvs(const std::vector<Vec2>& second_uvs, std::size_t first_vertex) {
+  if (second_uvs.empty() && second_uvs_.empty()) return;
+  const auto copy_until = [&](std::size_t vertex) {
+    const std::size_t known = second_uvs_.size();
+    if (known < vertex && !uvs_.empty())
+      second_uvs_.insert(second_uvs_.end(), uvs_.begin() + static_cast<std::ptrdiff_t>(known),
+                         uvs_.begin() + static_cast<std::ptrdiff_t>(vertex));
+    second_uvs_.resize(vertex);
+  };
+  second_uvs_.reserve(positions_.size());
+  if (!second_uvs.empty()) {
+    copy_until(first_vertex);
+    second_uvs_.insert(second_uvs_.end(), second_uvs.begin(), second_uvs.end());
+    has_second_uvs_ = true;
+  }
+  copy_until(positions_.size());
 }
 
 void Primitives::add_sphere(Vec3 center, float radius, std::uint32_t material) {
@@ -95,6 +115,7 @@ void Primitives::add_cylinder(const Cylinder& cylinder, std::uint32_t material) 
 std::uint32_t Primitives::add_object(Primitives object) {
   outlines_.push_back(object.outline());
   has_vertex_colors_ |= object.has_vertex_colors_;
+  has_second_uvs_ |= object.has_second_uvs_;
   objects_.push_back(std::move(object));
   return static_cast<std::uint32_t>(objects_.size()) - 1;
 }
@@ -279,14 +300,14 @@ Primitives::ObjectPoint Primitives::sphere_point(const AnyRay& ray, const Hit& h
   return point_of_sphere(sphere(hit.primitive), Vec3d(ray.origin), Vec3d(ray.direction), hit.t);
 }
 
-Tangents Primitives::tangents(const Hit& hit, const SurfacePoint& point) const {
-  if (hit.in_instance()) return instance_tangents(hit, point);
+Tangents Primitives::tangents(const Hit& hit, const SurfacePoint& point, UvSet set) const {
+  if (hit.in_instance()) return instance_tangents(hit, point, set);
   if (is_sphere(hit.primitive)) return sphere_tangents(point.geometric_normal);
-  const ModelTangents tangents = model_tangents(hit, point.geometric_normal, point.uv);
+  const ModelTangents tangents = model_tangents(hit, point.geometric_normal, point.uv, set);
   return {unit_or_zero(tangents.along_u), unit_or_zero(tangents.along_v)};
 }
 
-Tangents Primitives::instance_tangents(const Hit& hit, const SurfacePoint& point) const {
+Tangents Primitives::instance_tangents(const Hit& hit, const SurfacePoint& point, UvSet set) const {
   const Primitives& object = object_of(instances_[hit.instance]);
   return with_placement(hit, [&](const Placement& placement) -> Tangents {
     ModelTangents tangents;
@@ -298,7 +319,7 @@ Tangents Primitives::instance_tangents(const Hit& hit, const SurfacePoint& point
       const Vec3 normal = object.is_curve(hit.primitive)
                               ? unit_or_zero(placement.object_normal(Vec3d(point.geometric_normal)))
                               : Vec3{};
-      tangents = object.model_tangents(hit, normal, point.uv);
+      tangents = object.model_tangents(hit, normal, point.uv, set);
     }
     return {unit_or_zero(placement.vector(tangents.along_u)),
             unit_or_zero(placement.vector(tangents.along_v))};
@@ -306,11 +327,11 @@ Tangents Primitives::instance_tangents(const Hit& hit, const SurfacePoint& point
 }
 
 // Solves e1 = du1 dp/du + dv1 dp/dv and e2 = du2 dp/du + dv2 dp/dv.
-Primitives::ModelTangents Primitives::triangle_tangents(const Hit& hit) const {
+Primitives::ModelTangents Primitives::triangle_tangents(const Hit& hit, UvSet set) const {
   if (uvs_.empty()) return {};
   const TriangleCorners corners = triangle_corners(hit.primitive, hit.time);
   const Vec3d p0(corners[0]), e1 = Vec3d(corners[1]) - p0, e2 = Vec3d(corners[2]) - p0;
-  const auto [uv0, uv1, uv2] = triangle_uvs(hit.primitive);
+  const auto [uv0, uv1, uv2] = triangle_uvs(hit.primitive, set);
   const double du1 = double{uv1.x} - double{uv0.x}, dv1 = double{uv1.y} - double{uv0.y};
   const double du2 = double{uv2.x} - double{uv0.x}, dv2 = double{uv2.y} - double{uv0.y};
   const double det = du1 * dv2 - du2 * dv1;
@@ -320,24 +341,24 @@ Primitives::ModelTangents Primitives::triangle_tangents(const Hit& hit) const {
   return {sign * (dv2 * e1 - dv1 * e2), sign * (du1 * e2 - du2 * e1), sign * det};
 }
 
-UvDerivatives Primitives::uv_derivatives(const Hit& hit, const SurfacePoint& point) const {
+UvDerivatives Primitives::uv_derivatives(const Hit& hit, const SurfacePoint& point, UvSet set) const {
   const auto derivatives = [](const ModelTangents& tangents, const auto& to_world) -> UvDerivatives {
     if (!(tangents.scale > 0)) return {};
     const double factor = 1 / tangents.scale;
     return {to_world(factor * tangents.along_u).rounded(), to_world(factor * tangents.along_v).rounded()};
   };
   if (!hit.in_instance())
-    return derivatives(model_tangents(hit, point.geometric_normal, point.uv), [](Vec3d v) { return v; });
+    return derivatives(model_tangents(hit, point.geometric_normal, point.uv, set), [](Vec3d v) { return v; });
   return with_placement(hit, [&](const Placement& place) {
     const Vec3 normal = unit_or_zero(place.object_normal(Vec3d(point.geometric_normal)));
-    return derivatives(object_of(instances_[hit.instance]).model_tangents(hit, normal, point.uv),
+    return derivatives(object_of(instances_[hit.instance]).model_tangents(hit, normal, point.uv, set),
                        [&](Vec3d v) { return place.vector(v); });
   });
 }
 
-Primitives::ModelTangents Primitives::model_tangents(const Hit& hit, Vec3 normal, Vec2 uv) const {
+Primitives::ModelTangents Primitives::model_tangents(const Hit& hit, Vec3 normal, Vec2 uv, UvSet set) const {
   const std::uint32_t primitive = hit.primitive;
-  if (is_triangle(primitive)) return triangle_tangents(hit);
+  if (is_triangle(primitive)) return triangle_tangents(hit, set);
   if (!is_sphere(primitive)) {
     const auto [along_u, along_v] = analytic_derivatives(primitive, normal, uv);
     return {along_u, along_v, 1};
@@ -352,6 +373,12 @@ WideDerivatives Primitives::analytic_derivatives(std::uint32_t primitive, Vec3 n
   if (is_disk(primitive)) return disk(primitive).derivatives(uv);
   if (is_curve(primitive)) return curves_.derivatives(primitive - first_curve(), normal, uv);
   return cylinder(primitive).derivatives(uv);
+}
+
+Vec2 Primitives::second_uv_at(const Hit& hit, Vec2 uv) const {
+  const Primitives& mesh = owner(hit);
+  if (mesh.second_uvs_.empty() || !mesh.is_triangle(hit.primitive)) return uv;
+  return interpolated(mesh.triangle_uvs(hit.primitive, UvSet::kSecond), corner_weights(hit.b1, hit.b2));
 }
 
 Rgb Primitives::color_at(const Hit& hit) const {

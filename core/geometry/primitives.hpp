@@ -28,6 +28,7 @@
 #include "core/math/lane_array.hpp"
 #include "core/math/rgb.hpp"
 #include "core/math/simd_double8.hpp"
+#include "core/math/uv_sets.hpp"
 #include "core/math/vec3.hpp"
 
 namespace tessera::core {
@@ -48,12 +49,13 @@ class Primitives {
   // Reserves room for this many more elements.
   void reserve(std::size_t vertices, std::size_t triangles);
   // Appends a mesh's vertices and triangles (same conventions as MeshDescription: normals and uvs are empty
-  // or as many as positions; indices count from the mesh's own first vertex). All triangles must be added
+  // or as many as positions, and so are second_uvs, if there are uvs; indices count from the mesh's own first
+  // vertex). All triangles must be added
   // before all spheres, these before all disks, these before all cylinders, and these before all curves. The
   // arrays of the first mesh are moved if they are passed as rvalues.
   void add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& normals, const std::vector<Vec2>& uvs,
                 std::vector<Triangle> triangles, const std::vector<std::uint32_t>& triangle_materials,
-                const std::vector<Rgb>& colors = {});
+                const std::vector<Rgb>& colors = {}, const std::vector<Vec2>& second_uvs = {});
   // Lets the mesh that was added last deform. `steps` must be sound for it. All meshes that deform must be
   // added after all others. They are at rest until deform() is called.
   void deform_last_mesh(const std::vector<MeshStep>& steps, std::uint32_t first_triangle);
@@ -157,10 +159,11 @@ class Primitives {
     return is_moving_triangle(primitive) ? moving_triangle(primitive, time).corners
                                          : triangle_corners(primitive);
   }
-  std::array<Vec2, 3> triangle_uvs(std::uint32_t primitive) const {
-    if (uvs_.empty()) return {};
+  std::array<Vec2, 3> triangle_uvs(std::uint32_t primitive, UvSet set = UvSet::kFirst) const {
+    const std::vector<Vec2>& uvs = set == UvSet::kSecond && !second_uvs_.empty() ? second_uvs_ : uvs_;
+    if (uvs.empty()) return {};
     const auto& [v0, v1, v2] = triangles_[primitive];
-    return {uvs_[v0], uvs_[v1], uvs_[v2]};
+    return {uvs[v0], uvs[v1], uvs[v2]};
   }
   const Sphere& sphere(std::uint32_t primitive) const { return spheres_[primitive - triangle_count()]; }
   const Disk& disk(std::uint32_t primitive) const { return disks_[primitive - first_disk()]; }
@@ -201,9 +204,20 @@ class Primitives {
   SurfacePointOf<Float8> surfaces(const RayPointers& rays, const HitPointers& hits) const;
   // The same where is_plain_triangle() holds in all lanes.
   SurfacePointOf<Float8> triangle_surfaces(const HitPointers& hits) const;
-  // The tangents at `point`, the result of surface() for the same hit.
-  Tangents tangents(const Hit& hit, const SurfacePoint& point) const;
-  UvDerivatives uv_derivatives(const Hit& hit, const SurfacePoint& point) const;
+  // The tangents at `point`, the result of surface() for the same hit, by a set of texture coordinates.
+  Tangents tangents(const Hit& hit, const SurfacePoint& point, UvSet set = UvSet::kFirst) const;
+  UvDerivatives uv_derivatives(const Hit& hit, const SurfacePoint& point, UvSet set = UvSet::kFirst) const;
+
+  // Whether any mesh has a second set of texture coordinates, including objects' meshes.
+  bool has_second_uvs() const { return has_second_uvs_; }
+  // The texture coordinates at a hit whose surface has `uv`.
+  UvSets uv_sets(const Hit& hit, Vec2 uv) const {
+    return has_second_uvs_ ? UvSets(uv, second_uv_at(hit, uv)) : UvSets(uv);
+  }
+  // The same for the hit in each lane.
+  UvSetsOf<Float8> uv_sets(const HitPointers& hits, Vec2Of<Float8> uv) const {
+    return has_second_uvs_ ? UvSetsOf<Float8>(uv, second_uvs_at(hits, uv)) : UvSetsOf<Float8>(uv);
+  }
 
   // Whether any mesh has vertex colours, including objects' meshes.
   bool has_vertex_colors() const { return has_vertex_colors_; }
@@ -270,13 +284,17 @@ class Primitives {
   SurfacePointOf<Float8> instanced_sphere_surfaces(const RayPointers& rays, const HitPointers& hits) const;
   SurfacePointOf<Float8> surfaces_one_by_one(unsigned lanes, const RayPointers& rays,
                                              const HitPointers& hits) const;
-  ModelTangents triangle_tangents(const Hit& hit) const;
-  Tangents instance_tangents(const Hit& hit, const SurfacePoint& point) const;
+  ModelTangents triangle_tangents(const Hit& hit, UvSet set) const;
+  Tangents instance_tangents(const Hit& hit, const SurfacePoint& point, UvSet set) const;
   // The tangents of the shape that was hit, at its object-space normal and texture coordinates.
-  ModelTangents model_tangents(const Hit& hit, Vec3 normal, Vec2 uv) const;
+  ModelTangents model_tangents(const Hit& hit, Vec3 normal, Vec2 uv, UvSet set) const;
   // Of disks, cylinders and curves.
   WideDerivatives analytic_derivatives(std::uint32_t primitive, Vec3 normal, Vec2 uv) const;
   Rgb color_at(const Hit& hit) const;
+  void append_second_uvs(const std::vector<Vec2>& second_uvs, std::size_t first_vertex);
+  // `uv` where the surface has no second set.
+  Vec2 second_uv_at(const Hit& hit, Vec2 uv) const;
+  Vec2Of<Float8> second_uvs_at(const HitPointers& hits, Vec2Of<Float8> uv) const;
   Outline outline() const;
   Aabb instance_box(const Instance& instance) const;
 
@@ -286,6 +304,9 @@ class Primitives {
   std::vector<Vec2> uvs_;    // empty if no mesh has any
   std::vector<Rgb> colors_;  // empty if no mesh has any
   bool has_vertex_colors_ = false;
+  // Empty if no mesh has any; those of meshes without them are the first.
+  std::vector<Vec2> second_uvs_;
+  bool has_second_uvs_ = false;
   std::vector<Triangle> triangles_;
   std::vector<std::uint32_t> triangle_materials_;
   std::vector<DeformingMesh> deforming_;  // of the last triangles

@@ -241,6 +241,16 @@ SurfacePointOf<Float8> Primitives::surfaces_one_by_one(unsigned lanes, const Ray
   return points.all();
 }
 
+Vec2Of<Float8> Primitives::second_uvs_at(const HitPointers& hits, Vec2Of<Float8> uv) const {
+  FloatLanes u(uv.x), v(uv.y);
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const Vec2 second = second_uv_at(*hits[lane], {u[lane], v[lane]});
+    u.set(lane, second.x);
+    v.set(lane, second.y);
+  }
+  return {u.all(), v.all()};
+}
+
 RgbOf<Float8> Primitives::vertex_colors(const HitPointers& hits) const {
   RgbLanes colors;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) colors.set(lane, color_at(*hits[lane]));

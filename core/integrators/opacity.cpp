@@ -22,8 +22,8 @@ Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::ui
   if (is_opaque(material, scene.materials()) || crossing >= kMaxCrossings) return {};
   const SurfacePoint surface = scene.primitives().surface(ray, hit);
   const auto [stopped, transmittance] =
-      interception_at(material, scene.materials(), scene.textures(), surface.uv,
-                      meeting_cosine(surface, normalize(ray.direction)));
+      interception_at(material, scene.materials(), scene.textures(), uv_sets_at(scene, hit, surface),
+                      meeting_cosine(surface, normalize(ray.direction)), is_behind(surface, -ray.direction));
   return {surface, stopped, transmittance};
 }
 

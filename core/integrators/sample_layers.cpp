@@ -19,6 +19,7 @@ SampleLayers::SampleLayers(const Scene& scene, FilmTile* tile, std::size_t slots
     : scene_(scene),
       tile_(tile),
       layers_(tile == nullptr ? LayerSet{} : tile->layers),
+      sees_surfaces_(layers_.intersects(kSurfaceLayers)),
       parts_(layers_.intersects(kLightLayers) || !layers_.groups.empty() ? slots : 0) {
   divide_by_groups();
   for (std::size_t i = 0; i < kLayerCount; ++i)
@@ -38,8 +39,7 @@ void SampleLayers::divide_by_groups() {
     parts_[slot].groups = std::span(light_of_groups_).subspan(slot * count, count);
 }
 
-void SampleLayers::begin(const Ray& ray, SampleId id, const Sampler& sampler) {
-  if (!layers_.intersects(kSurfaceLayers)) return;
+void SampleLayers::note_camera_ray(const Ray& ray, SampleId id, const Sampler& sampler) {
   rays_.push_back(ray);
   samplers_.push_back(&sampler);
   pixels_.push_back(pixel_of(id));

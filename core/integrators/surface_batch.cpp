@@ -74,7 +74,7 @@ Vec3Of<Float8> SurfaceBatch::normal_mapped() const {
     along_v.set(lane, of_v);
   }
   std::replace(maps.begin(), maps.end(), static_cast<const Texture*>(nullptr), some_map);
-  return perturb_by_normal_map(Texture::evaluate(maps, surface.uv), strength.all(), surface.shading_normal,
+  return perturb_by_normal_map(Texture::evaluate(maps, uv_sets()), strength.all(), surface.shading_normal,
                                along_u.all(), along_v.all());
 }
 

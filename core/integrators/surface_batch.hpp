@@ -30,8 +30,9 @@ struct SurfaceBatch {
   RgbOf<Float8> tints() const;
   // What the models' parameters are evaluated at.
   MaterialPointOf<Float8> material_point() const {
-    return {scene.textures(), surface.uv, side.outside, tints()};
+    return {scene.textures(), uv_sets(), side.outside, tints()};
   }
+  UvSetsOf<Float8> uv_sets() const { return scene.primitives().uv_sets(hits, surface.uv); }
   // The lanes where the viewer sees the back of a surface that only its front scatters from.
   Mask8 black_backs() const;
   // The lanes with ShadingNormals::kPlain.

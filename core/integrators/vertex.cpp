@@ -22,20 +22,17 @@ float hashed_number(Vec3 a, Vec3 b) {
 const Material& scatterer_of(const Scene& scene, const Hit& hit, const SurfacePoint& surface, Vec3 wo) {
   const Material& material = scene.material_of(hit);
   if (!std::holds_alternative<Blend>(material.model)) return material;
-  return scatterer_at(material, scene.materials(), scene.textures(), surface.uv, meeting_cosine(surface, wo),
-                      hashed_number(surface.position, wo));
-}
-
-Vec3 highlight_tangent(const Scene& scene, const Hit& hit, const SurfacePoint& surface) {
-  return scene.primitives().tangents(hit, surface).along_u;
+  return scatterer_at(material, scene.materials(), scene.textures(), uv_sets_at(scene, hit, surface),
+                      meeting_cosine(surface, wo), hashed_number(surface.position, wo),
+                      is_behind(surface, wo));
 }
 
 Tangents image_tangents(const Scene& scene, const Texture& map, const Hit& hit, const SurfacePoint& surface) {
   if (!map.is_sheared()) {
-    const auto [along_u, along_v] = scene.primitives().tangents(hit, surface);
-    return {along_picture(along_u, map.scale.x), along_picture(along_v, map.scale.y)};
+    const auto [along_u, along_v] = scene.primitives().tangents(hit, surface, map.uv_set);
+    return {along_image(along_u, map.scale.x), along_image(along_v, map.scale.y)};
   }
-  const auto [dp_du, dp_dv] = scene.primitives().uv_derivatives(hit, surface);
+  const auto [dp_du, dp_dv] = scene.primitives().uv_derivatives(hit, surface, map.uv_set);
   // The inverse of the map from the surface's coordinates to the image's, but for the size of its
   // determinant.
   const double sign = map.scale.x * map.scale.y < map.shear.x * map.shear.y ? -1 : 1;
@@ -44,22 +41,40 @@ Tangents image_tangents(const Scene& scene, const Texture& map, const Hit& hit, 
           unit_or_zero(double{map.scale.x} * v - double{map.shear.x} * u)};
 }
 
+Vec3 highlight_tangent(const Scene& scene, const TangentDirection& direction, const Hit& hit,
+                       const SurfacePoint& surface) {
+  if (is_along_u(direction)) return scene.primitives().tangents(hit, surface).along_u;
+  const float rotation = direction.rotation.evaluate(scene.textures(), uv_sets_at(scene, hit, surface));
+  const auto turned_in_plane = [&](Vec2 components, const Tangents& along) {
+    return direction_in_plane(turned(components, rotation), surface.shading_normal, along.along_u,
+                              along.along_v);
+  };
+  if (direction.map.texture < 0) return turned_in_plane({1, 0}, scene.primitives().tangents(hit, surface));
+  const Texture& map = scene.textures()[static_cast<std::size_t>(direction.map.texture)];
+  return turned_in_plane(direction_in_texel(map.evaluate(uv_sets_at(scene, hit, surface))),
+                         image_tangents(scene, map, hit, surface));
+}
+
+Vec3 mapped_normal(const Scene& scene, const NormalMap& map, const Hit& hit, const SurfacePoint& surface) {
+  const Texture& texture = scene.textures()[static_cast<std::size_t>(map.texture)];
+  const auto [along_u, along_v] = image_tangents(scene, texture, hit, surface);
+  return perturb_by_normal_map(texture.evaluate(uv_sets_at(scene, hit, surface)), map.strength,
+                               surface.shading_normal, along_u, along_v);
+}
+
 Vec3 bumped_normal(const Scene& scene, const Material& material, const Hit& hit, const SurfacePoint& surface,
                    Vec3 normal) {
   const Texture& heights = scene.textures()[static_cast<std::size_t>(material.bump.texture)];
-  const auto [dp_du, dp_dv] = scene.primitives().uv_derivatives(hit, surface);
-  return tilt_by_heights(height_slope(heights, material.bump.height, surface.uv), normal, dp_du, dp_dv);
+  const auto [dp_du, dp_dv] = scene.primitives().uv_derivatives(hit, surface, heights.uv_set);
+  const Vec2 uv = uv_sets_at(scene, hit, surface)[heights.uv_set];
+  return tilt_by_heights(height_slope(heights, material.bump.height, uv), normal, dp_du, dp_dv);
 }
 
 Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit,
                     const SurfacePoint& surface) {
-  Vec3 normal = surface.shading_normal;
-  if (material.normal_map.texture >= 0) {
-    const Texture& map = scene.textures()[static_cast<std::size_t>(material.normal_map.texture)];
-    const auto [along_u, along_v] = image_tangents(scene, map, hit, surface);
-    normal = perturb_by_normal_map(map.evaluate(surface.uv), material.normal_map.strength, normal, along_u,
-                                   along_v);
-  }
+  const Vec3 normal = material.normal_map.texture < 0
+                          ? surface.shading_normal
+                          : mapped_normal(scene, material.normal_map, hit, surface);
   return material.bump.texture < 0 ? normal : bumped_normal(scene, material, hit, surface, normal);
 }
 
@@ -87,12 +102,20 @@ PathVertex::PathVertex(const Scene& scene, const Material& material, const Hit& 
 
 PathVertex::PathVertex(const Scene& scene, const Material& material, const Hit& hit,
                        const SurfacePoint& surface, Vec3 wo, const ViewedSide<float>& side)
-    : VertexOf(
-          surface, wo, side.normal,
-          viewed_normal(side, outward_normal(scene, material, hit, surface), material.model, wo),
-          material.shading_normals == ShadingNormals::kPlain,
-          Bsdf(material, scene.textures(), surface.uv, side.outside, scene.primitives().vertex_color(hit))) {
-  if (is_anisotropic(material.model)) bsdf_.orient(frame_.to_local(highlight_tangent(scene, hit, surface)));
+    : VertexOf(surface, wo, side.normal,
+               viewed_normal(side, outward_normal(scene, material, hit, surface), material.model, wo),
+               material.shading_normals == ShadingNormals::kPlain,
+               Bsdf(material, scene.textures(), uv_sets_at(scene, hit, surface), side.outside,
+                    scene.primitives().vertex_color(hit))) {
+  if (const TangentDirection* direction = highlight_direction(material.model))
+    bsdf_.orient(frame_.to_local(highlight_tangent(scene, *direction, hit, surface)));
+  if (const Principled* coated = with_own_coat_frame(material.model)) {
+    const NormalMap& map = coated->geometry_coat_normal;
+    const Vec3 normal =
+        map.texture < 0 ? frame_.normal
+                        : viewed_normal(side, mapped_normal(scene, map, hit, surface), material.model, wo);
+    turn_coat(true, normal, highlight_tangent(scene, coated->coat_tangent, hit, surface));
+  }
 }
 
 std::optional<PathVertex::Scattered> PathVertex::sample(Vec2 u, float u_lobe) const {
@@ -114,8 +137,9 @@ PathVertex::Scattered PathVertex::delta_to_world(const BsdfSample& local) const 
           true, local.eta};
 }
 
-std::array<std::optional<PathVertex::Scattered>, 2> PathVertex::delta_branches() const {
-  std::array<std::optional<Scattered>, 2> branches;
+std::array<std::optional<PathVertex::Scattered>, std::tuple_size_v<DeltaBranches>>
+PathVertex::delta_branches() const {
+  std::array<std::optional<Scattered>, std::tuple_size_v<DeltaBranches>> branches;
   const auto local = bsdf_.delta_branches(wo_local_);
   for (std::size_t i = 0; i < branches.size(); ++i)
     if (local[i]) branches[i] = delta_to_world(*local[i]);

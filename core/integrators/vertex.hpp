@@ -52,6 +52,15 @@ class VertexOf {
     if constexpr (requires { bsdf_.look_from(wo_local_.z); }) bsdf_.look_from(wo_local_.z);
   }
 
+  // Gives the coat, in some lanes, a frame of its own: around `normal`, which must be valid as a shading
+  // normal, and turned to `tangent` unless that is zero; both in world space. To be called last.
+  void turn_coat(MaskOf<T> lanes, Vec3Of<T> normal, Vec3Of<T> tangent) {
+    const FrameOf<T> coat = FrameOf<T>::around(normal).turned_to(tangent);
+    bsdf_.turn_coat(
+        lanes, {frame_.to_local(coat.tangent), frame_.to_local(coat.bitangent), frame_.to_local(coat.normal)},
+        wo_local_);
+  }
+
   Vec3Of<T> position() const { return surface_.position; }
   const SurfacePointOf<T>& surface() const { return surface_; }
   // The geometric and the shading normal, on the side of wo.
@@ -144,8 +153,8 @@ class PathVertex : public VertexOf<float, Bsdf> {
   // Returns nothing if the path ends.
   std::optional<Scattered> sample(Vec2 u, float u_lobe) const;
 
-  // All directions of delta lobes (reflection and transmission), each weighted by its fraction of the light.
-  std::array<std::optional<Scattered>, 2> delta_branches() const;
+  // As DeltaBranches.
+  std::array<std::optional<Scattered>, std::tuple_size_v<DeltaBranches>> delta_branches() const;
 
   // That of the ray that hit the surface.
   float time() const { return time_; }
@@ -170,6 +179,11 @@ class PathVertex : public VertexOf<float, Bsdf> {
   float time_ = 0;
 };
 
+// The texture coordinates of `surface`, where the hit is.
+inline UvSets uv_sets_at(const Scene& scene, const Hit& hit, const SurfacePoint& surface) {
+  return scene.primitives().uv_sets(hit, surface.uv);
+}
+
 // The unit directions on the surface in which u and v of the image `map` grow at a hit; zero if undefined.
 Tangents image_tangents(const Scene& scene, const Texture& map, const Hit& hit, const SurfacePoint& surface);
 
@@ -178,12 +192,22 @@ inline float meeting_cosine(const SurfacePoint& surface, Vec3 direction) {
   return std::min(1.0f, std::fabs(dot(surface.shading_normal, direction)));
 }
 
+// Whether the direction, away from the surface, is on the side that the geometric normal points away from.
+inline bool is_behind(const SurfacePoint& surface, Vec3 direction) {
+  return dot(surface.geometric_normal, direction) < 0;
+}
+
 // The material that scatters light at the hit: of a blend, one of its parts, chosen by a hash of the point
 // and the direction to the viewer.
 const Material& scatterer_of(const Scene& scene, const Hit& hit, const SurfacePoint& surface, Vec3 wo);
 
-// The direction of increasing u at the hit, along which anisotropic highlights lie; in world space.
-Vec3 highlight_tangent(const Scene& scene, const Hit& hit, const SurfacePoint& surface);
+// The direction on the surface along which highlights are stretched, in world space; zero if the surface has
+// no texture coordinates.
+Vec3 highlight_tangent(const Scene& scene, const TangentDirection& direction, const Hit& hit,
+                       const SurfacePoint& surface);
+
+// The outward shading normal: interpolated, then perturbed by the map, which must have a texture.
+Vec3 mapped_normal(const Scene& scene, const NormalMap& map, const Hit& hit, const SurfacePoint& surface);
 
 // `normal` tilted by the material's bump map, which it must have.
 Vec3 bumped_normal(const Scene& scene, const Material& material, const Hit& hit, const SurfacePoint& surface,

@@ -21,7 +21,7 @@ Mask8 f0_is_base_color(const Materials& glossy) {
 CookTorranceBsdfOf<Float8> glossy_bsdfs(const SurfaceBatch& batch) {
   const Materials& materials = batch.materials;
   const std::vector<Texture>& textures = batch.scene.textures();
-  const Vec2Of<Float8> uv = batch.surface.uv;
+  const UvSetsOf<Float8> uv = batch.uv_sets();
   std::array<const ColorParameter*, kLaneCount> diffuse, specular, f0;
   std::array<const ScalarParameter*, kLaneCount> roughness;
   RgbLanes eta{}, k{};
@@ -74,6 +74,13 @@ void MixedBsdfs::orient(Vec3Of<Float8> tangents_local) {
   const Vec3Lanes tangents(tangents_local);
   for (std::size_t lane = 0; lane < kLaneCount; ++lane)
     if (bsdfs_[lane]) bsdfs_[lane]->orient(tangents[lane]);
+}
+
+void MixedBsdfs::turn_coat(Mask8 lanes, const FrameOf<Float8>& axes, Vec3Of<Float8> wo_local) {
+  const Vec3Lanes tangents(axes.tangent), bitangents(axes.bitangent), normals(axes.normal), wo(wo_local);
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    if (bsdfs_[lane] && (lanes.bits() >> lane & 1) != 0)
+      bsdfs_[lane]->turn_coat(true, {tangents[lane], bitangents[lane], normals[lane]}, wo[lane]);
 }
 
 BsdfValueOf<Float8> MixedBsdfs::evaluate(Vec3Of<Float8> wo_local, Vec3Of<Float8> wi_local,
@@ -140,17 +147,19 @@ DiffuseVertices diffuse_vertices(const SurfaceBatch& batch) {
   std::array<const ColorParameter*, kLaneCount> albedos;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane)
     albedos[lane] = &std::get_if<Lambert>(&batch.materials[lane]->model)->albedo;
-  RgbOf<Float8> albedo = evaluate(albedos, batch.scene.textures(), batch.surface.uv);
+  RgbOf<Float8> albedo = evaluate(albedos, batch.scene.textures(), batch.uv_sets());
   if (batch.scene.primitives().has_vertex_colors()) albedo = albedo * batch.tints();
   return {batch, batch.side.shading_normal(batch.outward_normals(), batch.wo), {albedo}};
 }
 
 namespace {
 
-// The shading normals of surfaces with highlights.
+// Outward normals as the shading normals of surfaces with highlights.
+Vec3Of<Float8> valid_reflection_normals(const SurfaceBatch& batch, Vec3Of<Float8> outward) {
+  return ensure_valid_reflection(batch.side.shading_normal(outward, batch.wo), batch.side.normal, batch.wo);
+}
 Vec3Of<Float8> glossy_normals(const SurfaceBatch& batch) {
-  const Vec3Of<Float8> seen = batch.side.shading_normal(batch.outward_normals(), batch.wo);
-  return ensure_valid_reflection(seen, batch.side.normal, batch.wo);
+  return valid_reflection_normals(batch, batch.outward_normals());
 }
 
 }  // namespace
@@ -205,19 +214,52 @@ SpecularVertices specular_vertices(const SurfaceBatch& batch) {
            {GgxOf<Float8>(larger(alpha, Float8(kMinAlpha))), eta, fresnel, reflectance, transmittance}}};
 }
 
+namespace {
+
+// Gives the coats in a set of lanes frames of their own.
+template <typename Vertices>
+void turn_coats(const SurfaceBatch& batch, const SurfacePoints& points, unsigned lanes, Vertices& vertices) {
+  Vec3Lanes outward(batch.surface.shading_normal), tangents{};
+  unsigned mapped = 0;  // those with normals of their own
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    if ((lanes >> lane & 1) == 0) continue;
+    const Principled& coated = *with_own_coat_frame(batch.materials[lane]->model);
+    const Hit& hit = *batch.hits[lane];
+    tangents.set(lane, highlight_tangent(batch.scene, coated.coat_tangent, hit, points[lane]));
+    if (coated.geometry_coat_normal.texture < 0) continue;
+    mapped |= 1u << lane;
+    outward.set(lane, mapped_normal(batch.scene, coated.geometry_coat_normal, hit, points[lane]));
+  }
+  const Vec3Of<Float8> of_maps = valid_reflection_normals(batch, outward.all());
+  vertices.turn_coat(Mask8::from_bits(lanes),
+                     select(Mask8::from_bits(mapped), of_maps, vertices.shading_normal()), tangents.all());
+}
+
+// Turns the highlights, and the coats that have a frame of their own, of the first `count` lanes.
+template <typename Vertices>
+void orient_microfacets(const SurfaceBatch& batch, std::size_t count, Vertices& vertices) {
+  const SurfacePoints points(batch.surface);
+  Vec3Lanes tangents{};
+  unsigned anisotropic = 0, coats = 0;
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    const MaterialModel& model = batch.materials[lane]->model;
+    coats |= (with_own_coat_frame(model) != nullptr ? 1u : 0u) << lane;
+    const TangentDirection* direction = highlight_direction(model);
+    if (direction == nullptr) continue;
+    anisotropic |= 1u << lane;
+    tangents.set(lane, highlight_tangent(batch.scene, *direction, *batch.hits[lane], points[lane]));
+  }
+  if (anisotropic != 0) vertices.orient(tangents.all());
+  if (coats != 0) turn_coats(batch, points, coats, vertices);
+}
+
+}  // namespace
+
 LayeredVertices layered_vertices(const SurfaceBatch& batch) {
   ModelPointers models;
-  Vec3Lanes tangents{};
-  const SurfacePoints points(batch.surface);
-  bool anisotropic = false;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    models[lane] = &batch.materials[lane]->model;
-    if (!is_anisotropic(*models[lane])) continue;
-    anisotropic = true;
-    tangents.set(lane, highlight_tangent(batch.scene, *batch.hits[lane], points[lane]));
-  }
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) models[lane] = &batch.materials[lane]->model;
   LayeredVertices vertices(batch, glossy_normals(batch), closures_of(models, batch.material_point()));
-  if (anisotropic) vertices.orient(tangents.all());
+  orient_microfacets(batch, kLaneCount, vertices);
   return vertices;
 }
 
@@ -226,24 +268,19 @@ MixedVertices mixed_vertices(const SurfaceBatch& batch, std::size_t count) {
   const SurfacePoints points(batch.surface);
   const RgbLanes tints(batch.tints());
   MixedBsdfs bsdfs;
-  unsigned diffuse = 0, anisotropic = 0;
-  Vec3Lanes tangents{};
+  unsigned diffuse = 0;
   for (std::size_t lane = 0; lane < count; ++lane) {
     const Material& material = *batch.materials[lane];
     const SurfacePoint point = points[lane];
     if (std::holds_alternative<Lambert>(material.model)) diffuse |= 1u << lane;
-    if (is_anisotropic(material.model)) {
-      anisotropic |= 1u << lane;
-      tangents.set(lane, highlight_tangent(scene, *batch.hits[lane], point));
-    }
-    bsdfs.set(lane, Bsdf(material, scene.textures(), point.uv, (batch.side.outside.bits() >> lane & 1) != 0,
-                         tints[lane]));
+    bsdfs.set(lane, Bsdf(material, scene.textures(), uv_sets_at(scene, *batch.hits[lane], point),
+                         (batch.side.outside.bits() >> lane & 1) != 0, tints[lane]));
   }
   const Vec3Of<Float8> seen = batch.side.shading_normal(batch.outward_normals(), batch.wo);
   const Vec3Of<Float8> bent =
       select(Mask8::from_bits(diffuse), seen, ensure_valid_reflection(seen, batch.side.normal, batch.wo));
   MixedVertices vertices(batch, bent, bsdfs);
-  if (anisotropic != 0) vertices.orient(tangents.all());
+  orient_microfacets(batch, count, vertices);
   return vertices;
 }
 

@@ -24,6 +24,8 @@ class MixedBsdfs {
   void scale_diffuse(Float8 factor);
   // Bsdf::orient of each lane, unless the tangent is zero.
   void orient(Vec3Of<Float8> tangents_local);
+  // Bsdf::turn_coat of these lanes.
+  void turn_coat(Mask8 lanes, const FrameOf<Float8>& axes, Vec3Of<Float8> wo_local);
   // Zero if wi is zero, which is not a direction.
   BsdfValueOf<Float8> evaluate(Vec3Of<Float8> wo_local, Vec3Of<Float8> wi_local, Float8 diffuse_cos) const;
   BsdfSampleOf<Float8> sample(Vec3Of<Float8> wo_local, Vec2Of<Float8> u, Float8 u_lobe) const;

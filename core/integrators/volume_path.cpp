@@ -88,7 +88,7 @@ class VolumePath {
   bool collides(float t_max, NumberStream& numbers, std::optional<float>& t);
   bool shade_surface(const Hit& hit);
   void add_environment();
-  void add_emission(const PathVertex& vertex, std::uint32_t light);
+  void add_emission(const PathVertex& vertex, const Hit& hit);
   void add_light(Rgb radiance, std::uint32_t light, float pdf, LightParts::Source source);
   template <typename Vertex, typename MediumToward>
   bool scatter(const Vertex& vertex, const MediumToward& medium_toward);
@@ -164,7 +164,7 @@ bool VolumePath::collides(float t_max, NumberStream& numbers, std::optional<floa
 
 bool VolumePath::shade_surface(const Hit& hit) {
   const PathVertex vertex(scene_, ray_, hit);
-  if (const std::uint32_t light = scene_.light_of(hit); light != kNoLight) add_emission(vertex, light);
+  add_emission(vertex, hit);
   const MediumInterface& media = scene_.material_of(hit).media;
   return scatter(vertex, [&](Vec3 wi) { return medium_beyond(media, vertex.surface(), wi, medium_); });
 }
@@ -180,9 +180,12 @@ void VolumePath::add_environment() {
             LightParts::Source::kEnvironment);
 }
 
-void VolumePath::add_emission(const PathVertex& vertex, std::uint32_t light) {
+void VolumePath::add_emission(const PathVertex& vertex, const Hit& hit) {
+  const std::uint32_t light = scene_.light_of(hit);
+  if (light == kNoLight) return;
   scene_.with_area_light(light, vertex.time(), [&](const AreaLight& area) {
-    add_light(area.emitted(scene_.textures(), vertex.surface(), vertex.wo()), light,
+    const UvSets uv = uv_sets_at(scene_, hit, vertex.surface());
+    add_light(area.emitted(scene_.textures(), vertex.position(), uv, vertex.wo()), light,
               delta_ ? 0 : area.pdf(last_.position, vertex.position()), LightParts::Source::kEmission);
   });
 }

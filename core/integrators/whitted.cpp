@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/integrators/whitted.hpp"
 
+#include <algorithm>
 #include <array>
 #include <optional>
-#include <utility>
 
 #include "core/integrators/direct_light.hpp"
 #include "core/integrators/opacity.hpp"
@@ -39,7 +39,7 @@ class TreeTracer {
   }
 
  private:
-  // Follows the stronger branch of each fork iteratively and the weaker one recursively. The weaker one has
+  // Follows the strongest branch of each fork iteratively and the weaker ones recursively. A weaker one has
   // at most half of the light, so the recursion is about a dozen deep before the weight is negligible; if
   // textures reflect more than they receive, it can be as deep as the tree.
   void follow(Branch branch) {
@@ -50,21 +50,24 @@ class TreeTracer {
       rays_ += static_cast<int>(traced);
       if (!hit.found()) return add_environment(branch);
       const PathVertex vertex(scene_, ray, hit);
-      add_emission(branch, vertex, scene_.light_of(hit));
+      add_emission(branch, vertex, hit);
       if (!vertex.is_delta()) add_direct_light(branch, vertex);
       if (!vertex.has_delta()) return;
       if (branch.depth >= max_depth_) return;
-      auto [greater, lesser] = fork(branch, vertex);
-      if (lesser.share() > greater.share()) std::swap(greater, lesser);
-      if (lesser.share() >= kMinWhittedShare) follow(lesser);
-      if (!(greater.share() >= kMinWhittedShare)) return;
-      branch = greater;
+      const Fork children = fork(branch, vertex);
+      const auto greatest = std::max_element(children.begin(), children.end(), has_less);
+      for (const Branch& child : children)
+        if (&child != &*greatest && child.share() >= kMinWhittedShare) follow(child);
+      if (!(greatest->share() >= kMinWhittedShare)) return;
+      branch = *greatest;
     }
   }
 
-  // The reflected and the refracted branch; a missing one has weight 0.
-  static std::array<Branch, 2> fork(const Branch& branch, const PathVertex& vertex) {
-    std::array<Branch, 2> children;
+  // The branches of all DeltaBranches; a missing one has weight 0.
+  using Fork = std::array<Branch, std::tuple_size_v<DeltaBranches>>;
+  static bool has_less(const Branch& a, const Branch& b) { return a.share() < b.share(); }
+  static Fork fork(const Branch& branch, const PathVertex& vertex) {
+    Fork children;
     const auto directions = vertex.delta_branches();
     for (std::size_t i = 0; i < children.size(); ++i) {
       const auto& direction = directions[i];
@@ -93,10 +96,12 @@ class TreeTracer {
         scene_.environment_light(), LightParts::Source::kEnvironment);
   }
 
-  void add_emission(const Branch& branch, const PathVertex& vertex, std::uint32_t light) {
+  void add_emission(const Branch& branch, const PathVertex& vertex, const Hit& hit) {
+    const std::uint32_t light = scene_.light_of(hit);
     if (light == kNoLight) return;
     const Rgb emitted = scene_.with_area_light(light, vertex.time(), [&](const AreaLight& area) {
-      return area.emitted(scene_.textures(), vertex.surface(), vertex.wo());
+      return area.emitted(scene_.textures(), vertex.position(), uv_sets_at(scene_, hit, vertex.surface()),
+                          vertex.wo());
     });
     add(branch.weight * emitted, branch.depth, light);
   }

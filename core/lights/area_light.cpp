@@ -200,9 +200,9 @@ AreaLight::Batch AreaLight::batch_of(const LightShape& shape, const SurfaceEmiss
   return even ? Batch::kEvenSpheres : Batch::kNone;
 }
 
-Rgb AreaLight::emitted(const std::vector<Texture>& textures, const SurfacePoint& point, Vec3 wo) const {
-  if (!two_sided_ && !(dot(front_at(point.position), wo) > 0)) return {};
-  return radiance_.evaluate(textures, point.uv);
+Rgb AreaLight::emitted(const std::vector<Texture>& textures, Vec3 position, const UvSets& uv, Vec3 wo) const {
+  if (!two_sided_ && !(dot(front_at(position), wo) > 0)) return {};
+  return radiance_.evaluate(textures, uv);
 }
 
 Vec3 AreaLight::front_at(Vec3 position) const {
@@ -214,17 +214,50 @@ Vec3 AreaLight::front_at(Vec3 position) const {
 }
 
 std::optional<LightSample> AreaLight::sample(const std::vector<Texture>& textures, Vec3 p_lit, Vec2 u) const {
-  const Sample found = std::visit([&](const auto& shape) { return find(shape, p_lit, u); }, shape_);
+  return emitted_by(textures, find(p_lit, u));
+}
+
+std::optional<LightSample> AreaLight::sample_along(const std::vector<Texture>& textures, Vec3 p_lit,
+                                                   Vec3 forward, Vec2 u) const {
+  const Sample found = find(p_lit, u);
+  return emitted_by(textures, dot(found.wi, forward) < 0 ? before(found, p_lit) : found);
+}
+
+AreaLight::Sample AreaLight::find(Vec3 p_lit, Vec2 u) const {
+  return std::visit([&](const auto& shape) { return find(shape, p_lit, u); }, shape_);
+}
+
+// The sample for a ray that meets the light before it comes to p_lit. That is the same point, but for spheres
+// that p_lit sees only one side of: the ray comes from the other side.
+AreaLight::Sample AreaLight::before(const Sample& behind, Vec3 p_lit) const {
+  Sample found = behind;
+  found.wi = -behind.wi;
+  const auto* sphere = std::get_if<SphereLight>(&shape_);
+  if (sphere == nullptr || !is_opaque_ || !ConeOf<float>({sphere->center, sphere->radius}, p_lit).exists)
+    return found;
+  const Vec3 near_side = behind.point.geometric_normal;
+  const Vec3 outward = near_side - behind.wi * (2 * dot(near_side, behind.wi));
+  found.point.position = sphere->center + outward * sphere->radius;
+  found.point.position_error = behind.point.position_error * 2;
+  found.point.geometric_normal = outward;
+  found.point.uv = uv_of(*sphere, outward);
+  found.uv = found.point.uv;
+  return found;
+}
+
+// Nothing if the sample is of no use.
+std::optional<LightSample> AreaLight::emitted_by(const std::vector<Texture>& textures,
+                                                 const Sample& found) const {
   if (!(found.pdf > 0) || !std::isfinite(found.pdf)) return std::nullopt;
   const Rgb radiance =
-      emitted(textures, found.point, -found.wi) * opacity_at(opacity_, textures, found.point.uv);
+      emitted(textures, found.point.position, found.uv, -found.wi) * opacity_at(opacity_, textures, found.uv);
   if (is_black(radiance)) return std::nullopt;
   return LightSample{found.wi, radiance, found.pdf, false, found.point};
 }
 
 // A point sampled uniformly over the area. The density is NaN if it is the reference point itself.
 AreaLight::Sample AreaLight::flat(const SurfacePoint& point, Vec3 p_lit) const {
-  return {point, normalize(point.position - p_lit),
+  return {point, point.uv, normalize(point.position - p_lit),
           per_solid_angle(area_, p_lit, point.position, point.geometric_normal)};
 }
 
@@ -234,8 +267,12 @@ AreaLight::Sample AreaLight::find(const TriangleLight& t, Vec3 p_lit, Vec2 u) co
   const Vec3 position = t.p0 * b0 + t.p1 * b.x + t.p2 * b.y;
   const Vec3 magnitude = abs(t.p0 * b0) + abs(t.p1 * b.x) + abs(t.p2 * b.y);
   SurfacePoint point = flat_point(position, magnitude, front_);
-  point.uv = t.uv0 * b0 + t.uv1 * b.x + t.uv2 * b.y;
-  return flat(point, p_lit);
+  if (!t.uvs) return flat(point, p_lit);
+  const auto& [uv0, uv1, uv2] = *t.uvs;
+  point.uv = uv0.first * b0 + uv1.first * b.x + uv2.first * b.y;
+  Sample sample = flat(point, p_lit);
+  sample.uv.second = uv0.second * b0 + uv1.second * b.x + uv2.second * b.y;
+  return sample;
 }
 
 AreaLight::Sample AreaLight::find(const QuadLight& q, Vec3 p_lit, Vec2 u) const {
@@ -263,7 +300,7 @@ AreaLight::Sample AreaLight::find(const CylinderLight& c, Vec3 p_lit, Vec2 u) co
       (abs(c.start) + abs(c.radius_u) + abs(c.radius_v) + abs(c.axis)) * rounding_bound(16);
   point.geometric_normal = side.outward;
   point.uv = u;
-  return {point, normalize(point.position - p_lit),
+  return {point, point.uv, normalize(point.position - p_lit),
           per_solid_angle(side.area, p_lit, point.position, side.outward)};
 }
 
@@ -290,8 +327,8 @@ LightSamples AreaLight::sample_quads(const std::array<const AreaLight*, 8>& quad
   samples.wi = normalize(samples.point.position - p_lit);
   samples.pdf = per_solid_angle(area.all(), p_lit, samples.point.position, front.all());
   samples.radiance = evaluate(radiance, textures, u);
-  const Mask8 shines = Mask8::from_bits(two_sided) | (dot(front.all(), -samples.wi) > 0);
-  samples.found = (samples.pdf > 0) & (samples.pdf < std::numeric_limits<float>::infinity()) & shines &
+  const Mask8 emits = Mask8::from_bits(two_sided) | (dot(front.all(), -samples.wi) > 0);
+  samples.found = (samples.pdf > 0) & (samples.pdf < std::numeric_limits<float>::infinity()) & emits &
                   !is_black(samples.radiance);
   return samples;
 }
@@ -299,11 +336,14 @@ LightSamples AreaLight::sample_quads(const std::array<const AreaLight*, 8>& quad
 AreaLight::Sample AreaLight::find(const SphereLight& sphere, Vec3 p_lit, Vec2 u) const {
   auto [point, pdf] =
       find_on_sphere<float>({sphere.center, sphere.radius}, sphere.deviation, area_, p_lit, u, !is_opaque_);
-  const Vec3 outward = point.geometric_normal;
-  if (radiance_.texture >= 0 || opacity_.texture >= 0)
-    point.uv =
-        sphere_uv({dot(outward, sphere.x_axis), dot(outward, sphere.y_axis), dot(outward, sphere.z_axis)});
-  return {point, normalize(point.position - p_lit), pdf};
+  point.uv = uv_of(sphere, point.geometric_normal);
+  return {point, point.uv, normalize(point.position - p_lit), pdf};
+}
+
+// Where the light has textures.
+Vec2 AreaLight::uv_of(const SphereLight& sphere, Vec3 outward) const {
+  if (radiance_.texture < 0 && opacity_.texture < 0) return {};
+  return sphere_uv({dot(outward, sphere.x_axis), dot(outward, sphere.y_axis), dot(outward, sphere.z_axis)});
 }
 
 LightSamples AreaLight::sample_uniform_spheres(const std::array<const AreaLight*, 8>& spheres,
@@ -329,9 +369,9 @@ LightSamples AreaLight::sample_uniform_spheres(const std::array<const AreaLight*
   samples.wi = normalize(found.point.position - p_lit);
   samples.pdf = found.pdf;
   samples.radiance = radiance.all();
-  const Mask8 shines =
+  const Mask8 emits =
       Mask8::from_bits(two_sided) | (dot(found.point.position - balls.center, -samples.wi) > 0);
-  samples.found = (samples.pdf > 0) & (samples.pdf < std::numeric_limits<float>::infinity()) & shines &
+  samples.found = (samples.pdf > 0) & (samples.pdf < std::numeric_limits<float>::infinity()) & emits &
                   !is_black(samples.radiance);
   return samples;
 }

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -17,7 +18,9 @@ namespace tessera::core {
 
 struct TriangleLight {
   Vec3 p0, p1, p2;
-  Vec2 uv0, uv1, uv2;
+  // The corners' texture coordinates, apart because few lights need them; null where neither radiance nor
+  // opacity has a texture.
+  std::shared_ptr<const std::array<UvSets, 3>> uvs{};
 };
 // Texture coordinates run along the edges.
 template <typename T>
@@ -58,11 +61,15 @@ class AreaLight {
   // `front` is the outward normal of a flat shape, as in SurfacePoint; unused by spheres and cylinders.
   AreaLight(LightShape shape, Vec3 front, const SurfaceEmission& emission);
 
-  // Radiance emitted at a point of the light (its position and uv matter) towards `wo`, given that a ray
-  // hits the surface. sample() multiplies it by the probability of that, the opacity.
-  Rgb emitted(const std::vector<Texture>& textures, const SurfacePoint& point, Vec3 wo) const;
+  // Radiance emitted at a point of the light towards `wo`, given that a ray hits the surface. sample()
+  // multiplies it by the probability of that, the opacity.
+  Rgb emitted(const std::vector<Texture>& textures, Vec3 position, const UvSets& uv, Vec3 wo) const;
 
   std::optional<LightSample> sample(const std::vector<Texture>& textures, Vec3 p_lit, Vec2 u) const;
+  // The same for a ray through p_lit in a direction within the hemisphere of `forward`, which meets the light
+  // before or behind p_lit. `wi` is the ray's direction, and the radiance is what arrives against it.
+  std::optional<LightSample> sample_along(const std::vector<Texture>& textures, Vec3 p_lit, Vec3 forward,
+                                          Vec2 u) const;
 
   // An opaque quad.
   bool is_quad() const { return batch_ == Batch::kQuads; }
@@ -91,9 +98,14 @@ class AreaLight {
   // A point of the light and the density of its direction.
   struct Sample {
     SurfacePoint point;
+    UvSets uv;
     Vec3 wi;
     float pdf;
   };
+  Sample find(Vec3 p_lit, Vec2 u) const;
+  Sample before(const Sample& behind, Vec3 p_lit) const;
+  std::optional<LightSample> emitted_by(const std::vector<Texture>& textures, const Sample& found) const;
+  Vec2 uv_of(const SphereLight& sphere, Vec3 outward) const;
   Sample flat(const SurfacePoint& point, Vec3 p_lit) const;
   Sample find(const TriangleLight& triangle, Vec3 p_lit, Vec2 u) const;
   Sample find(const QuadLight& quad, Vec3 p_lit, Vec2 u) const;

@@ -77,7 +77,7 @@ float SpotLight::falloff(float off_axis) const {
     return std::clamp((outer_angle_ - angle) / (outer_angle_ - inner_angle_), 0.0f, 1.0f);
   }
   const float t = (outer_edge_ - off_axis) / (outer_edge_ - inner_edge_);
-  return t * t * (3 - 2 * t);
+  return falloff_ == SpotFalloff::kSquared ? t * t : t * t * (3 - 2 * t);
 }
 
 // What the image does to the intensity in a unit direction of the cone.
@@ -113,16 +113,17 @@ double linear_falloff_integral(double inner, double outer) {
 
 }  // namespace
 
-// The mean of the cubic over the falloff region is one half. Images count by their mean, as if they filled
-// the cone.
+// The mean over the falloff region is one half of the cubic, and a third of the square. Images count by their
+// mean, as if they filled the cone.
 double SpotLight::power() const {
   const double intensity = 2 * std::numbers::pi * static_cast<double>(mean_intensity_);
   if (falloff_ == SpotFalloff::kLinear)
     return intensity *
            (static_cast<double>(inner_edge_) +
             linear_falloff_integral(static_cast<double>(inner_angle_), static_cast<double>(outer_angle_)));
-  const double mean_edge = (static_cast<double>(inner_edge_) + static_cast<double>(outer_edge_)) / 2;
-  return intensity * mean_edge;
+  const auto inner = static_cast<double>(inner_edge_), outer = static_cast<double>(outer_edge_);
+  if (falloff_ == SpotFalloff::kSquared) return intensity * (inner + (outer - inner) / 3);
+  return intensity * ((inner + outer) / 2);
 }
 
 // Treated as uniform up to its edge.

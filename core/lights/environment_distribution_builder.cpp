@@ -83,7 +83,7 @@ class EnvironmentDistributionBuilder {
                                  const EquirectangularMap& map)
       : columns_per_texel_(parts(width, kSectors)),
         rows_per_texel_(parts(height, kBands)),
-        picture_width_(width),
+        image_width_(width),
         width_(width * columns_per_texel_),
         height_(height * rows_per_texel_),
         means_(means),
@@ -143,7 +143,7 @@ class EnvironmentDistributionBuilder {
   void for_each(const Bounds& b, Function function) const {
     for (int row = b.first_row; row < b.end_row; ++row) {
       const double* texels = means_.data() + static_cast<std::size_t>(row / rows_per_texel_) *
-                                                 static_cast<std::size_t>(picture_width_);
+                                                 static_cast<std::size_t>(image_width_);
       const double solid_angle = solid_angles_[static_cast<std::size_t>(row)];
       for (int column = b.first_column; column < b.end_column; ++column)
         function(texels[columns_per_texel_ == 1 ? column : column / columns_per_texel_], solid_angle, column,
@@ -321,7 +321,7 @@ class EnvironmentDistributionBuilder {
     return made;
   }
 
-  const int columns_per_texel_, rows_per_texel_, picture_width_, width_, height_;
+  const int columns_per_texel_, rows_per_texel_, image_width_, width_, height_;
   const std::vector<double>& means_;
   const EnvironmentDistribution::RadianceAt& radiance_at_;
   const EquirectangularMap& map_;

@@ -147,11 +147,11 @@ LightTree::Choice LightTree::sample(const Weights& root, const LightSampleContex
   Weights weights = root;
   for (std::size_t at = 0;;) {
     if (!(weights.sum() > 0)) return {kNoLight, 0};
-    const double sought = std::min(u, kBelowOne) * weights.sum();
+    const double target = std::min(u, kBelowOne) * weights.sum();
     std::size_t lane = 0;  // the first whose sum exceeds the target, so its weight is never 0
-    for (const double sum : weights.sums) lane += sum <= sought ? 1 : 0;
+    for (const double sum : weights.sums) lane += sum <= target ? 1 : 0;
     const double before = lane > 0 ? weights.sums[lane - 1] : 0;
-    u = (sought - before) / (weights.sums[lane] - before);
+    u = (target - before) / (weights.sums[lane] - before);
     pmf *= weights.share(lane);
     const std::int32_t child = nodes_[at].children[lane];
     if (child < 0) return {static_cast<std::uint32_t>(~child), pmf};

@@ -56,6 +56,7 @@ class LightTree {
 
  private:
   friend class LightTreeBuilder;
+  friend class LightsInCone;
 
   using Lanes = std::array<float, kWidth>;
 

@@ -49,7 +49,7 @@ LightShape placed(const LightShape& shape, const Placement& placement) {
   const auto vector = [&](Vec3 v) { return placement.vector(Vec3d(v)).rounded(); };
   return std::visit(
       Overloaded{[&](const TriangleLight& t) -> LightShape {
-                   return TriangleLight{point(t.p0), point(t.p1), point(t.p2), t.uv0, t.uv1, t.uv2};
+                   return TriangleLight{point(t.p0), point(t.p1), point(t.p2), t.uvs};
                  },
                  [&](const QuadLight& q) -> LightShape {
                    return QuadLight{point(q.corner), vector(q.edge_u), vector(q.edge_v)};

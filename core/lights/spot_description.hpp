@@ -8,8 +8,9 @@ namespace tessera::core {
 
 // From the full intensity to zero at the edge of the cone.
 enum class SpotFalloff {
-  kSmooth,  // a cubic in the cosine of the angle to the axis, with slope 0 at both ends
-  kLinear,  // in the angle
+  kSmooth,   // a cubic in the cosine of the angle to the axis, with slope 0 at both ends
+  kLinear,   // in the angle
+  kSquared,  // the square of a ramp that is linear in the cosine, as in glTF
 };
 
 // An image that a spot light projects. At a distance of 1 it covers the points axis + a right + b up with a

@@ -35,18 +35,18 @@ class AnisotropicGgxOf {
 
   // Height-correlated Smith G2 over 4 cos_o cos_i (Heitz 2014, eq. 99), for directions above the surface.
   T smith_visibility(Vec3Of<T> wo, Vec3Of<T> wi) const {
-    return 0.5f / (wi.z * slant(wo) + wo.z * slant(wi));
+    return 0.5f / (wi.z * stretched_length(wo) + wo.z * stretched_length(wi));
   }
 
   // The normals visible from `wo` (Heitz 2018). Requires wo.z > 0; the density is per solid angle of h.
   Vec3Of<T> sample_visible(Vec3Of<T> wo, Vec2Of<T> u) const;
   T pdf_visible(Vec3Of<T> wo, Vec3Of<T> h) const {
-    return 2 * larger(T(0.0f), dot(wo, h)) * density(h) / (wo.z + slant(wo));
+    return 2 * larger(T(0.0f), dot(wo, h)) * density(h) / (wo.z + stretched_length(wo));
   }
 
  private:
   // cos (1 + 2 lambda) with Smith's lambda.
-  T slant(Vec3Of<T> w) const {
+  T stretched_length(Vec3Of<T> w) const {
     using std::sqrt;
     const T x = alpha_x_ * w.x, y = alpha_y_ * w.y;
     return sqrt(x * x + y * y + w.z * w.z);

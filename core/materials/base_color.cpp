@@ -25,7 +25,8 @@ Rgb normal_reflectance(Rgb eta, Rgb k) {
 
 }  // namespace
 
-Rgb base_color_at(const Material& material, const std::vector<Texture>& textures, Vec2 uv, Rgb tint) {
+Rgb base_color_at(const Material& material, const std::vector<Texture>& textures, const UvSets& uv,
+                  Rgb tint) {
   const auto at = [&](const auto& parameter) { return parameter.evaluate(textures, uv); };
   const Rgb color = std::visit(
       Overloaded{

@@ -12,11 +12,12 @@ namespace {
 struct MeetingPoint {
   const std::vector<Material>& all;
   const std::vector<Texture>& textures;
-  Vec2 uv;
+  const UvSets& uv;
   float cosine;
+  bool from_behind;
 
   Interception of(const Material& material) const {
-    return interception_at(material, all, textures, uv, cosine);
+    return interception_at(material, all, textures, uv, cosine, from_behind);
   }
 };
 
@@ -26,7 +27,9 @@ struct BlendParts {
 };
 
 BlendParts parts_at(const Blend& blend, const MeetingPoint& at) {
-  const float weight = std::clamp(blend.weight.evaluate(at.textures, at.uv), 0.0f, 1.0f);
+  const float back = at.from_behind ? 1.0f : 0.0f;
+  const float weight =
+      blend.by_side ? back : std::clamp(blend.weight.evaluate(at.textures, at.uv), 0.0f, 1.0f);
   const auto of = [&](std::uint32_t part, float share) -> Interception {
     if (!(share > 0)) return {.hit = 0};
     const auto [hit, transmittance] = at.of(at.all[part]);
@@ -56,18 +59,20 @@ Interception model_at(const Material& material, const MeetingPoint& at) {
 }  // namespace
 
 Interception interception_at(const Material& material, const std::vector<Material>& all,
-                             const std::vector<Texture>& textures, Vec2 uv, float cosine) {
+                             const std::vector<Texture>& textures, const UvSets& uv, float cosine,
+                             bool from_behind) {
   const float opacity = opacity_at(material.opacity, textures, uv);
   if (opacity == 0) return {0, Rgb::gray(1)};
-  const auto [hit, transmittance] = model_at(material, {all, textures, uv, cosine});
+  const auto [hit, transmittance] = model_at(material, {all, textures, uv, cosine, from_behind});
   return {opacity * hit, Rgb::gray(1 - opacity) + transmittance * opacity};
 }
 
 const Material& scatterer_at(const Material& material, const std::vector<Material>& all,
-                             const std::vector<Texture>& textures, Vec2 uv, float cosine, float u) {
+                             const std::vector<Texture>& textures, const UvSets& uv, float cosine, float u,
+                             bool from_behind) {
   const Material* scatterer = &material;
   while (const auto* blend = std::get_if<Blend>(&scatterer->model)) {
-    const auto parts = parts_at(*blend, {all, textures, uv, cosine});
+    const auto parts = parts_at(*blend, {all, textures, uv, cosine, from_behind});
     const float first = parts.first.hit, second = parts.second.hit;
     const float share = first + second > 0 ? first / (first + second) : 1;
     const bool is_first = u < share;

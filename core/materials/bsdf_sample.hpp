@@ -2,6 +2,7 @@
 // The results of BSDFs: value and density for a pair of directions, and sampled directions.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "core/math/rgb.hpp"
@@ -24,6 +25,10 @@ struct BsdfSample {
   bool transmitted = false;
   float eta = 1;  // for transmission: index of refraction on the far side over the near side
 };
+
+// All directions of delta lobes, each weighted by its fraction of the light: reflection, transmission, and
+// reflection by a coat in a frame of its own.
+using DeltaBranches = std::array<std::optional<BsdfSample>, 3>;
 
 // A sample in each lane. T is float for one, or Float8 for one in each lane.
 template <typename T>

@@ -10,8 +10,8 @@
 
 namespace tessera::core {
 
-// The derivative of the height by the surface's texture coordinates, from central differences over one
-// texel.
+// The derivative of the height by the texture coordinates of the texture's set, which are `uv`, from central
+// differences over one texel.
 struct HeightSlope {
   float along_u = 0, along_v = 0;
 };

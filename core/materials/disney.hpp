@@ -4,6 +4,7 @@
 // angles bright surfaces scatter more light than they receive.
 #pragma once
 
+#include "core/materials/tangent_direction.hpp"
 #include "core/textures/texture.hpp"
 
 namespace tessera::core {
@@ -13,7 +14,7 @@ struct Disney {
   ColorParameter base_color{Rgb::gray(0.5f)};
   ScalarParameter metallic = 0;
   ScalarParameter roughness = 0.5f;
-  ScalarParameter anisotropic = 0;  // the highlight is longer across dp/du
+  ScalarParameter anisotropic = 0;  // the highlight is longer along its tangent
   ScalarParameter ior = 1.5f;
   ScalarParameter specular_tint = 0;  // of the dielectric's reflection, by the base colour
   ScalarParameter specular_transmission = 0;
@@ -26,6 +27,7 @@ struct Disney {
   // through.
   ScalarParameter diffuse_transmission = 0;
   bool thin_walled = false;
+  TangentDirection tangent{};
 };
 
 // Whether the surface has an inside that light enters, or is a sheet.

@@ -3,6 +3,7 @@
 // incident direction, in [0, 1].
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <type_traits>
@@ -36,6 +37,13 @@ template <typename T>
 T normal_reflectance(T eta) {
   const T r = (eta - 1) / (eta + 1);
   return r * r;
+}
+
+// The inverse: the index, from 1 to `largest`, whose reflectance at normal incidence is f0.
+inline float index_of_reflectance(float f0, float largest) {
+  const float root = std::sqrt(std::max(f0, 0.0f));
+  if (root >= 1) return largest;
+  return std::min((1 + root) / (1 - root), largest);
 }
 
 template <typename T>

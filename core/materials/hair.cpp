@@ -69,7 +69,7 @@ Rgb melanin_absorption(float eumelanin, float pheomelanin) {
          Rgb{0.187f, 0.4f, 1.05f} * std::max(pheomelanin, 0.0f);
 }
 
-Rgb absorption_at(const Hair& model, const std::vector<Texture>& textures, Vec2 uv) {
+Rgb absorption_at(const Hair& model, const std::vector<Texture>& textures, const UvSets& uv) {
   const auto at = [&](const auto& parameter) { return parameter.evaluate(textures, uv); };
   switch (model.pigment) {
     case HairPigment::kReflectance:
@@ -82,13 +82,13 @@ Rgb absorption_at(const Hair& model, const std::vector<Texture>& textures, Vec2 
   return melanin_absorption(at(model.eumelanin), at(model.pheomelanin));
 }
 
-HairBsdf::HairBsdf(const Hair& model, const std::vector<Texture>& textures, Vec2 uv)
+HairBsdf::HairBsdf(const Hair& model, const std::vector<Texture>& textures, const UvSets& uv)
     : absorption_(absorption_at(model, textures, uv)) {
   const auto at = [&](const ScalarParameter& parameter) { return parameter.evaluate(textures, uv); };
   const auto roughness = [&](const ScalarParameter& parameter) {
     return static_cast<double>(std::clamp(at(parameter), kMinHairRoughness, 1.0f));
   };
-  offset_ = static_cast<double>(std::clamp(2 * uv.y - 1, -1.0f, 1.0f));
+  offset_ = static_cast<double>(std::clamp(2 * uv.first.y - 1, -1.0f, 1.0f));
   offset_angle_ = arc_sine(offset_);
   eta_ = static_cast<double>(std::clamp(at(model.ior), kMinHairIor, kMaxIor));
 

@@ -22,12 +22,12 @@ Rgb hair_color(Rgb absorption, float beta_n);
 // The absorption of a concentration of eumelanin (brown) and pheomelanin (red) (d'Eon et al. 2011).
 Rgb melanin_absorption(float eumelanin, float pheomelanin);
 // What the model absorbs at a point.
-Rgb absorption_at(const Hair& model, const std::vector<Texture>& textures, Vec2 uv);
+Rgb absorption_at(const Hair& model, const std::vector<Texture>& textures, const UvSets& uv);
 
 class HairBsdf {
  public:
-  // uv.y tells how far from the axis the ray meets the hair, from 0 to 1 across it.
-  HairBsdf(const Hair& model, const std::vector<Texture>& textures, Vec2 uv);
+  // v of the first set tells how far from the axis the ray meets the hair, from 0 to 1 across it.
+  HairBsdf(const Hair& model, const std::vector<Texture>& textures, const UvSets& uv);
 
   // The direction of the hair, perpendicular to the normal but for rounding.
   void orient(Vec3 tangent_local);

@@ -16,6 +16,7 @@
 #include "core/materials/fresnel.hpp"
 #include "core/materials/limits.hpp"
 #include "core/materials/microfacets.hpp"
+#include "core/materials/tangent_direction.hpp"
 #include "core/media/medium_description.hpp"
 #include "core/textures/texture.hpp"
 
@@ -74,6 +75,13 @@ struct CookTorrance {
   Masking masking = Masking::kSmith;
 };
 
+// Perturbs shading normals: a texture's red, green and blue are x, y and z from -1 to 1 in the frame of u,
+// v and the normal.
+struct NormalMap {
+  int texture = -1;    // index among the scene's textures, -1 for none
+  float strength = 1;  // multiplies x and y
+};
+
 // The surface of OpenPBR 1.1 (Academy Software Foundation 2024), by its names, meanings and defaults. On both
 // sides, or a dielectric solid as far as it transmits; then the inside is that of Glass. Colours are linear
 // Rec. 709. Emission and opacity are those of the Material.
@@ -88,7 +96,7 @@ struct Principled {
   ScalarParameter specular_weight = 1;
   ColorParameter specular_color{Rgb::gray(1)};
   ScalarParameter specular_roughness = 0.3f;
-  ScalarParameter specular_roughness_anisotropy = 0;  // the highlight is longer across dp/du
+  ScalarParameter specular_roughness_anisotropy = 0;  // the highlight is longer along its tangent
   ScalarParameter specular_ior = 1.5f;
   ScalarParameter transmission_weight = 0;
   ColorParameter transmission_color{Rgb::gray(1)};
@@ -96,6 +104,7 @@ struct Principled {
   ScalarParameter coat_weight = 0;
   ColorParameter coat_color{Rgb::gray(1)};
   ScalarParameter coat_roughness = 0;
+  ScalarParameter coat_roughness_anisotropy = 0;
   ScalarParameter coat_ior = 1.6f;
   ScalarParameter coat_darkening = 1;
   ScalarParameter fuzz_weight = 0;
@@ -105,6 +114,8 @@ struct Principled {
   ScalarParameter thin_film_thickness = 0.5f;  // micrometres
   ScalarParameter thin_film_ior = 1.4f;
   bool geometry_thin_walled = false;  // a sheet without volume: transmitted light is not refracted
+  TangentDirection tangent{}, coat_tangent{};
+  NormalMap geometry_coat_normal{};  // of the coat, in place of the material's maps
 };
 
 // A dielectric boundary over a diffuse base, with reflection between the two inside (Walter et al. 2007;
@@ -129,6 +140,7 @@ struct ConductorMaterial {
   ColorParameter specular{Rgb::gray(1)};  // tint
   ScalarParameter roughness = 0;          // alpha is its square; a mirror if that is below kMinAlpha
   ScalarParameter anisotropy = 0;         // as Principled's
+  TangentDirection tangent{};
   MicrofacetKind microfacets{};
 };
 
@@ -169,6 +181,9 @@ struct Blend {
   // Indices among the scene's materials, below the blend's own.
   std::uint32_t first = 0, second = 0;
   ScalarParameter weight = 0.5f;  // of the second, in [0, 1]; texture values are clamped
+  // The first is the front, that is the side that the geometric normal points to, and the second the back;
+  // the weight does not count.
+  bool by_side = false;
 };
 inline constexpr int kMaxBlendDepth = 8;  // of blends of blends
 
@@ -185,13 +200,6 @@ enum class Sampling {
   kUniform,     // uniformly over the hemisphere, or the sphere for transmission; delta lobes
                 // of ideal mirrors and smooth glass are unchanged
   kHalfVector,  // CookTorrance: the half-vector in proportion to the microfacets' projected area
-};
-
-// Perturbs shading normals: a texture's red, green and blue are x, y and z from -1 to 1 in the frame of u,
-// v and the normal.
-struct NormalMap {
-  int texture = -1;    // index among the scene's textures, -1 for none
-  float strength = 1;  // multiplies x and y
 };
 
 // Tilts shading normals as if the surface were displaced by the heights in a texture's red channel (Blinn
@@ -276,17 +284,33 @@ inline bool has_subsurface(const MaterialModel& model) {
          (principled->subsurface_weight.texture >= 0 || principled->subsurface_weight.value > 0);
 }
 
-// Whether highlights have a direction: they are longer in one than in the other, or lie across a hair.
-inline bool is_anisotropic(const MaterialModel& model) {
-  const auto can_differ = [](const ScalarParameter& anisotropy) {
-    return anisotropy.texture >= 0 || anisotropy.value > 0;
+// Whether a weight can be above 0.
+inline bool may_be_positive(const ScalarParameter& weight) {
+  return weight.texture >= 0 || weight.value > 0;
+}
+
+// The direction that highlights of the model have, if they are longer in one than in the other, or lie across
+// a hair; else null.
+inline const TangentDirection* highlight_direction(const MaterialModel& model) {
+  static constexpr auto kDirection = [](const auto& of, const ScalarParameter& anisotropy) {
+    return may_be_positive(anisotropy) ? &of.tangent : nullptr;
   };
-  if (const auto* principled = std::get_if<Principled>(&model))
-    return can_differ(principled->specular_roughness_anisotropy);
-  if (const auto* disney = std::get_if<Disney>(&model)) return can_differ(disney->anisotropic);
-  if (std::holds_alternative<Hair>(model)) return true;
-  const auto* conductor = std::get_if<ConductorMaterial>(&model);
-  return conductor != nullptr && can_differ(conductor->anisotropy);
+  if (const auto* m = std::get_if<Principled>(&model))
+    return kDirection(*m, m->specular_roughness_anisotropy);
+  if (const auto* m = std::get_if<Disney>(&model)) return kDirection(*m, m->anisotropic);
+  if (const auto* m = std::get_if<ConductorMaterial>(&model)) return kDirection(*m, m->anisotropy);
+  if (!std::holds_alternative<Hair>(model)) return nullptr;
+  static const TangentDirection kAlongU;
+  return &kAlongU;
+}
+
+// The model, if its coat is seen in another frame than its base; else null.
+inline const Principled* with_own_coat_frame(const MaterialModel& model) {
+  const auto* principled = std::get_if<Principled>(&model);
+  const bool differs = principled != nullptr && may_be_positive(principled->coat_weight) &&
+                       (principled->geometry_coat_normal.texture >= 0 ||
+                        may_be_positive(principled->coat_roughness_anisotropy));
+  return differs ? principled : nullptr;
 }
 
 // Whether f0 is the base colour, as for a metal.

@@ -35,16 +35,18 @@ class GgxOf {
 
   // G1: the unmasked fraction of the microfacets that face `w` (Walter et al. 2007, eq. 34). Requires cos_w
   // > 0.
-  T visible(T cos_w) const { return 2 * cos_w / (cos_w + slant(cos_w)); }
+  T visible(T cos_w) const { return 2 * cos_w / (cos_w + stretched_length(cos_w)); }
 
   // Height-correlated Smith G2 over 4 cos_o cos_i (Heitz 2014, eq. 99).
-  T smith_visibility(T cos_o, T cos_i) const { return 0.5f / (cos_i * slant(cos_o) + cos_o * slant(cos_i)); }
+  T smith_visibility(T cos_o, T cos_i) const {
+    return 0.5f / (cos_i * stretched_length(cos_o) + cos_o * stretched_length(cos_i));
+  }
 
   // Samples the normals visible from `wo` (Heitz 2018). Requires wo.z > 0; the density is per solid angle
   // of h.
   Vec3Of<T> sample_visible(Vec3Of<T> wo, Vec2Of<T> u) const;
   T pdf_visible(Vec3Of<T> wo, Vec3Of<T> h) const {
-    return 2 * larger(T(0.0f), dot(wo, h)) * density(h) / (wo.z + slant(wo.z));
+    return 2 * larger(T(0.0f), dot(wo, h)) * density(h) / (wo.z + stretched_length(wo.z));
   }
 
   // Samples all normals in proportion to their projected area (Walter et al. 2007, eq. 35 and 36).
@@ -53,7 +55,7 @@ class GgxOf {
 
  private:
   // cos * sqrt(1 + alpha^2 tan^2), which is cos (1 + 2 lambda) with Smith's lambda.
-  T slant(T cos_w) const {
+  T stretched_length(T cos_w) const {
     using std::sqrt;
     return sqrt(alpha2_ + (1 - alpha2_) * cos_w * cos_w);
   }

@@ -11,7 +11,7 @@ namespace tessera::core {
 
 // The surface's direction of growing u or v of the image. If the texture's scale is negative, the image is
 // mirrored and the direction is reversed.
-inline Vec3 along_picture(Vec3 along, float scale) {
+inline Vec3 along_image(Vec3 along, float scale) {
   return scale < 0 ? -along : along;
 }
 

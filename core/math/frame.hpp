@@ -22,6 +22,17 @@ struct FrameOf {
     return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
   }
 
+  // The same frame turned about its normal so that its tangent lies below `direction`, which need not be a
+  // unit vector; as it is where that has no direction in its plane.
+  FrameOf turned_to(Vec3Of<T> direction) const {
+    using std::sqrt;
+    const Vec3Of<T> local = to_local(direction);
+    const T length2 = local.x * local.x + local.y * local.y, scale = 1 / sqrt(length2);
+    const MaskOf<T> known = length2 > 0;
+    const T x = select(known, local.x * scale, T(1.0f)), y = select(known, local.y * scale, T(0.0f));
+    return {tangent * x + bitangent * y, bitangent * x - tangent * y, normal};
+  }
+
   Vec3Of<T> to_local(Vec3Of<T> v) const { return {dot(v, tangent), dot(v, bitangent), dot(v, normal)}; }
   Vec3Of<T> to_world(Vec3Of<T> v) const { return tangent * v.x + bitangent * v.y + normal * v.z; }
 };

@@ -11,7 +11,7 @@
 
 namespace tessera::core {
 
-Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>& textures, Vec2 uv,
+Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>& textures, const UvSets& uv,
                             bool outside, Rgb tint) {
   if (!outside && is_one_sided(material)) return ClosureOf<float>();  // which scatters nothing
   const auto at = [&](const auto& parameter) { return parameter.evaluate(textures, uv); };
@@ -67,7 +67,8 @@ Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>
       material.model);
 }
 
-Bsdf::Bsdf(const Material& material, const std::vector<Texture>& textures, Vec2 uv, bool outside, Rgb tint)
+Bsdf::Bsdf(const Material& material, const std::vector<Texture>& textures, const UvSets& uv, bool outside,
+           Rgb tint)
     : at_point_(look_up(material, textures, uv, outside, tint)),
       uniform_(material.sampling == Sampling::kUniform && !has_delta()) {}
 
@@ -90,6 +91,10 @@ void Bsdf::orient(Vec3 tangent_local) {
   if (auto* disney = std::get_if<DisneyBsdf>(&at_point_)) disney->orient(tangent_local);
 }
 
+void Bsdf::turn_coat(bool turns, const Frame& axes, Vec3 wo_local) {
+  if (auto* closure = std::get_if<ClosureOf<float>>(&at_point_)) closure->turn_coat(turns, axes, wo_local);
+}
+
 void Bsdf::look_from(float cos_o) {
   if (auto* closure = std::get_if<ClosureOf<float>>(&at_point_)) closure->look_from(cos_o);
 }
@@ -110,10 +115,13 @@ std::optional<BsdfSample> Bsdf::sample(Vec3 wo_local, Vec2 u, float u_lobe) cons
   return std::visit([&](const auto& bsdf) { return alone(bsdf.sample(wo_local, u, u_lobe)); }, at_point_);
 }
 
-std::array<std::optional<BsdfSample>, 2> Bsdf::delta_branches(Vec3 wo_local) const {
+DeltaBranches Bsdf::delta_branches(Vec3 wo_local) const {
   if (const auto* mirror = std::get_if<MirrorBsdf>(&at_point_))
-    return {alone(mirror->sample(wo_local, {}, 0)), std::nullopt};
-  if (const auto* glass = std::get_if<SmoothDielectricBsdf>(&at_point_)) return glass->branches(wo_local);
+    return {alone(mirror->sample(wo_local, {}, 0)), {}, {}};
+  if (const auto* glass = std::get_if<SmoothDielectricBsdf>(&at_point_)) {
+    const auto [reflected, refracted] = glass->branches(wo_local);
+    return {reflected, refracted, {}};
+  }
   if (const auto* closure = std::get_if<ClosureOf<float>>(&at_point_))
     return closure->delta_branches(wo_local);
   return {};

@@ -28,7 +28,7 @@ class Bsdf {
  public:
   // Of a blend, pass the part that scatters (blend.hpp). `outside`: wo is on the side that the outward
   // geometric normal points to. `tint` multiplies the base colour (MeshDescription::colors).
-  Bsdf(const Material& material, const std::vector<Texture>& textures, Vec2 uv, bool outside,
+  Bsdf(const Material& material, const std::vector<Texture>& textures, const UvSets& uv, bool outside,
        Rgb tint = Rgb::gray(1));
 
   // Whether it has only delta lobes, for which evaluate() returns zero; or any.
@@ -40,6 +40,9 @@ class Bsdf {
   // Turns anisotropic surfaces to the direction of increasing u, which need not be perpendicular to the
   // normal.
   void orient(Vec3 tangent_local);
+
+  // As ClosureOf::turn_coat.
+  void turn_coat(bool turns, const Frame& axes, Vec3 wo_local);
 
   // As ClosureOf::look_from.
   void look_from(float cos_o);
@@ -53,16 +56,14 @@ class Bsdf {
   BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local) const { return evaluate(wo_local, wi_local, wi_local.z); }
   // Returns nothing if no light is scattered. u_lobe chooses among lobes.
   std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
-  // All directions of the delta lobes (reflection and transmission), each weighted by its fraction of the
-  // light.
-  std::array<std::optional<BsdfSample>, 2> delta_branches(Vec3 wo_local) const;
+  DeltaBranches delta_branches(Vec3 wo_local) const;
 
  private:
   using AtPoint = std::variant<LambertBsdf, MirrorBsdf, SmoothDielectricBsdf, RoughDielectricBsdf,
                                RoughDielectricOf<float, Microfacets>, PhongBsdf, CookTorranceBsdf,
                                ClosureOf<float>, HairBsdf, DisneyBsdf>;
 
-  static AtPoint look_up(const Material& material, const std::vector<Texture>& textures, Vec2 uv,
+  static AtPoint look_up(const Material& material, const std::vector<Texture>& textures, const UvSets& uv,
                          bool outside, Rgb tint);
   std::optional<BsdfSample> sample_uniformly(Vec3 wo_local, Vec2 u) const;
   float transmitted_eta() const;

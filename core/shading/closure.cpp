@@ -7,15 +7,15 @@
 
 namespace tessera::core {
 
-// Calls f(layer, place) for each lobe that some lane has.
+// Calls f(layer, place) for each lobe that some lane has; the place is a std::integral_constant.
 template <typename T>
 template <typename Self, typename F>
 void ClosureOf<T>::for_each_present(Self& self, const F& f) {
-  const auto visit = [&](auto& layer, std::size_t slot) {
+  const auto visit = [&](auto& layer, auto slot) {
     if (any(layer.present)) f(layer, slot);
   };
   [&]<std::size_t... kEach>(std::index_sequence<kEach...>) {
-    (visit(std::get<kEach>(self.layers_), kEach), ...);
+    (visit(std::get<kEach>(self.layers_), std::integral_constant<std::size_t, kEach>()), ...);
   }
   (std::make_index_sequence<kSlots>());
 }
@@ -38,6 +38,54 @@ Vec3Of<T> ClosureOf<T>::to_tangents(Vec3Of<T> w) const {
 template <typename T>
 Vec3Of<T> ClosureOf<T>::from_tangents(Vec3Of<T> w) const {
   return {tangent_.x * w.x - tangent_.y * w.y, tangent_.x * w.y + tangent_.y * w.x, w.z};
+}
+
+template <typename T>
+void ClosureOf<T>::turn_coat(MaskOf<T> lanes, const FrameOf<T>& axes, Vec3Of<T> wo_local) {
+  turned_coat_.lanes = lanes;
+  turned_coat_.frame = {to_tangents(axes.tangent), to_tangents(axes.bitangent), to_tangents(axes.normal)};
+  if (viewed_) shares_ = shares_seen_from(to_tangents(wo_local));
+}
+
+template <typename T>
+Vec3Of<T> ClosureOf<T>::to_coat(Vec3Of<T> w) const {
+  return any(turned_coat_.lanes) ? select(turned_coat_.lanes, turned_coat_.frame.to_local(w), w) : w;
+}
+
+// A turned coat scatters only to the side of the base's normal that the viewer is on: what it scatters below
+// the plane of the base is mirrored at that plane, so that no light is lost.
+template <typename T>
+template <typename Lobe, typename Slot>
+BsdfValueOf<T> ClosureOf<T>::evaluate_lobe(const Lobe& lobe, Slot, Vec3Of<T> wo, Vec3Of<T> wi,
+                                           T diffuse_cos) const {
+  if constexpr (Slot::value == kCoatSlot) {
+    if (any(turned_coat_.lanes)) {
+      const Vec3Of<T> viewer = to_coat(wo), below{wi.x, wi.y, -wi.z};
+      const BsdfValueOf<T> direct = lobe.evaluate(viewer, to_coat(wi), diffuse_cos);
+      const BsdfValueOf<T> mirrored = lobe.evaluate(viewer, to_coat(below), diffuse_cos);
+      const BsdfValueOf<T> both =
+          only_where<T>(wi.z > 0, {direct.value + mirrored.value, direct.pdf + mirrored.pdf});
+      return {select(turned_coat_.lanes, both.value, direct.value),
+              select(turned_coat_.lanes, both.pdf, direct.pdf)};
+    }
+  }
+  return lobe.evaluate(wo, wi, diffuse_cos);
+}
+
+template <typename T>
+template <typename Lobe, typename Slot>
+BsdfSampleOf<T> ClosureOf<T>::sample_lobe(const Lobe& lobe, Slot, Vec3Of<T> wo, Vec2Of<T> u, T u_lobe) const {
+  if constexpr (Slot::value == kCoatSlot) {
+    if (any(turned_coat_.lanes)) {
+      using std::fabs;
+      BsdfSampleOf<T> sample = lobe.sample(to_coat(wo), u, u_lobe);
+      const Vec3Of<T> wi = turned_coat_.frame.to_world(sample.wi_local);
+      const Vec3Of<T> above{wi.x, wi.y, select(sample.delta, wi.z, fabs(wi.z))};
+      sample.wi_local = select(turned_coat_.lanes, above, sample.wi_local);
+      return sample;
+    }
+  }
+  return lobe.sample(wo, u, u_lobe);
 }
 
 template <typename T>
@@ -84,12 +132,12 @@ void ClosureOf<T>::scale_diffuse(T factor) {
 }
 
 template <typename T>
-typename ClosureOf<T>::Shares ClosureOf<T>::shares_at(T cos_o) const {
+typename ClosureOf<T>::Shares ClosureOf<T>::shares_at(T cos_o, T coat_cos_o) const {
   Shares shares;
   RgbOf<T> let_through = RgbOf<T>::gray(1);
   T sum{};
-  for_each_present(*this, [&](const auto& layer, std::size_t slot) {
-    const T albedo = layer.lobe.albedo(cos_o);
+  for_each_present(*this, [&](const auto& layer, auto slot) {
+    const T albedo = layer.lobe.albedo(slot == kCoatSlot ? coat_cos_o : cos_o);
     shares.light[slot] = layer.weight * let_through;
     shares.chance[slot] = select(layer.present, max_component(shares.light[slot]) * albedo, T(0.0f));
     sum = sum + shares.chance[slot];
@@ -106,10 +154,10 @@ typename ClosureOf<T>::Shares ClosureOf<T>::shares_at(T cos_o) const {
 template <typename T>
 BsdfValueOf<T> ClosureOf<T>::evaluate(const Shares& shares, Vec3Of<T> wo, Vec3Of<T> wi, T diffuse_cos) const {
   BsdfValueOf<T> all_lobes{};
-  for_each_present(*this, [&](const auto& layer, std::size_t slot) {
+  for_each_present(*this, [&](const auto& layer, auto slot) {
     const MaskOf<T> seen = layer.present & (shares.chance[slot] > 0);
     if (!any(seen)) return;
-    const BsdfValueOf<T> one = layer.lobe.evaluate(wo, wi, diffuse_cos);
+    const BsdfValueOf<T> one = evaluate_lobe(layer.lobe, slot, wo, wi, diffuse_cos);
     all_lobes.value += select(seen, shares.light[slot] * one.value, RgbOf<T>{});
     all_lobes.pdf = all_lobes.pdf + select(seen, shares.chance[slot] * one.pdf, T(0.0f));
   });
@@ -122,12 +170,13 @@ BsdfValueOf<T> ClosureOf<T>::evaluate(Vec3Of<T> wo_local, Vec3Of<T> wi_local, T 
   if (!any(seen)) return {};
   const Vec3Of<T> wo = to_tangents(wo_local), wi = to_tangents(wi_local);
   return only_where<T>(seen, viewed_ ? evaluate(shares_, wo, wi, diffuse_cos)
-                                     : evaluate(shares_at(wo_local.z), wo, wi, diffuse_cos));
+                                     : evaluate(shares_seen_from(wo), wo, wi, diffuse_cos));
 }
 
 template <typename T>
 BsdfSampleOf<T> ClosureOf<T>::sample(Vec3Of<T> wo_local, Vec2Of<T> u, T u_lobe) const {
-  return viewed_ ? sample(shares_, wo_local, u, u_lobe) : sample(shares_at(wo_local.z), wo_local, u, u_lobe);
+  return viewed_ ? sample(shares_, wo_local, u, u_lobe)
+                 : sample(shares_seen_from(to_tangents(wo_local)), wo_local, u, u_lobe);
 }
 
 template <typename T>
@@ -138,12 +187,12 @@ BsdfSampleOf<T> ClosureOf<T>::sample(const Shares& shares, Vec3Of<T> wo_local, V
   if (!any(undecided)) return sample;
   const Vec3Of<T> wo = to_tangents(wo_local);
   T below{};  // the chance of the lobes before
-  for_each_present(*this, [&](const auto& layer, std::size_t slot) {
+  for_each_present(*this, [&](const auto& layer, auto slot) {
     const T chance = shares.chance[slot], next = below + chance;
     const MaskOf<T> is_last = last_ == WordOf<T>(static_cast<std::uint32_t>(slot));
     const MaskOf<T> chosen = undecided & layer.present & (is_last | !(u_lobe >= next));
     if (any(chosen)) {
-      auto one = layer.lobe.sample(wo, u, smaller((u_lobe - below) / chance, T(kBelowOne)));
+      auto one = sample_lobe(layer.lobe, slot, wo, u, smaller((u_lobe - below) / chance, T(kBelowOne)));
       one.weight *= shares.light[slot] / chance;  // of a delta lobe
       one.found = one.found & (chance > 0);
       sample = select(chosen, one, sample);
@@ -163,22 +212,28 @@ BsdfSampleOf<T> ClosureOf<T>::sample(const Shares& shares, Vec3Of<T> wo_local, V
 }
 
 template <typename T>
-std::array<std::optional<BsdfSample>, 2> ClosureOf<T>::delta_branches(Vec3 wo_local) const {
-  std::array<std::optional<BsdfSample>, 2> all_lobes;
+DeltaBranches ClosureOf<T>::delta_branches(Vec3 wo_local) const {
+  DeltaBranches all_lobes;
   if constexpr (std::is_same_v<T, float>) {
     if (wo_local.z <= 0) return all_lobes;
-    const Shares shares = shares_at(wo_local.z);
-    for_each_present(*this, [&](const auto& layer, std::size_t slot) {
-      const auto branches = layer.lobe.delta_branches(wo_local);
-      for (std::size_t k = 0; k < all_lobes.size(); ++k) {
-        if (!branches[k]) continue;
-        const Rgb weight = branches[k]->weight * shares.light[slot];
-        if (!all_lobes[k]) {
-          all_lobes[k] = branches[k];
-          all_lobes[k]->weight = {};
-        }
-        all_lobes[k]->weight += weight;
+    const Vec3 wo = to_tangents(wo_local);
+    const Shares shares = shares_seen_from(wo);
+    const auto add = [&](std::optional<BsdfSample>& sum, const BsdfSample& branch, Rgb light) {
+      if (!sum) {
+        sum = branch;
+        sum->weight = {};
       }
+      sum->weight += branch.weight * light;
+    };
+    for_each_present(*this, [&](const auto& layer, auto slot) {
+      const bool turned = slot == kCoatSlot && turned_coat_.lanes;
+      auto branches = layer.lobe.delta_branches(turned ? to_coat(wo) : wo_local);
+      if (turned && branches[0]) {
+        branches[0]->wi_local = from_tangents(turned_coat_.frame.to_world(branches[0]->wi_local));
+        return add(all_lobes.back(), *branches[0], shares.light[slot]);
+      }
+      for (std::size_t k = 0; k < branches.size(); ++k)
+        if (branches[k]) add(all_lobes[k], *branches[k], shares.light[slot]);
     });
   }
   return all_lobes;

@@ -13,6 +13,7 @@
 #include <optional>
 #include <tuple>
 
+#include "core/math/frame.hpp"
 #include "core/math/word_lanes.hpp"
 #include "core/shading/diffuse_lobes.hpp"
 #include "core/shading/glass_lobes.hpp"
@@ -67,10 +68,14 @@ class ClosureOf {
   // Turns anisotropic lobes to the direction of increasing u. Its z is ignored; lanes without x and y stay.
   void orient(Vec3Of<T> tangent_local);
 
+  // Gives the coat, in some lanes, the normal and the tangent of `axes`, which are given in the local frame:
+  // those of the other lanes are ignored. The coat's normal must be on the side of wo. To be called last.
+  void turn_coat(MaskOf<T> lanes, const FrameOf<T>& axes, Vec3Of<T> wo_local);
+
   // Computes at once what evaluate() and sample() need of the viewer, whose cosine is wo_local.z of all calls
   // that follow. To be called after scale_diffuse().
   void look_from(T cos_o) {
-    shares_ = shares_at(cos_o);
+    shares_ = shares_at(cos_o, cos_o);
     viewed_ = true;
   }
 
@@ -81,9 +86,8 @@ class ClosureOf {
   void scale_diffuse(T factor);
   BsdfValueOf<T> evaluate(Vec3Of<T> wo_local, Vec3Of<T> wi_local, T diffuse_cos) const;
   BsdfSampleOf<T> sample(Vec3Of<T> wo_local, Vec2Of<T> u, T u_lobe) const;
-  // For T = float: the reflection and the transmission by delta lobes, weighted by their fractions of the
-  // light.
-  std::array<std::optional<BsdfSample>, 2> delta_branches(Vec3 wo_local) const;
+  // For T = float.
+  DeltaBranches delta_branches(Vec3 wo_local) const;
 
  private:
   static constexpr std::uint32_t kNoSlot = 0xff;
@@ -105,6 +109,20 @@ class ClosureOf {
     RgbOf<T> weight;
     Below below;
   };
+  // The frame of the coat where it is not that of the base, in coordinates by tangent_.
+  struct TurnedCoat {
+    TurnedCoat() = default;
+    TurnedCoat(const TurnedCoat& other) { *this = other; }
+    // Copies no frame that no lane has.
+    TurnedCoat& operator=(const TurnedCoat& other) {
+      lanes = other.lanes;
+      if (any(lanes)) frame = other.frame;
+      return *this;
+    }
+
+    MaskOf<T> lanes{};
+    FrameOf<T> frame;
+  };
   template <typename AllLobes>
   struct LayersOf;
   template <typename... Each>
@@ -119,8 +137,17 @@ class ClosureOf {
 
   template <typename Self, typename F>
   static void for_each_present(Self& self, const F& f);
-  Shares shares_at(T cos_o) const;
+  // By the cosines of the viewer to the normals of the base and of the coat.
+  Shares shares_at(T cos_o, T coat_cos_o) const;
+  Shares shares_seen_from(Vec3Of<T> wo) const { return shares_at(wo.z, to_coat(wo).z); }
   BsdfValueOf<T> evaluate(const Shares& shares, Vec3Of<T> wo, Vec3Of<T> wi, T diffuse_cos) const;
+
+  // A lobe in its own frame; the slot is a constant type.
+  template <typename Lobe, typename Slot>
+  BsdfValueOf<T> evaluate_lobe(const Lobe& lobe, Slot slot, Vec3Of<T> wo, Vec3Of<T> wi, T diffuse_cos) const;
+  template <typename Lobe, typename Slot>
+  BsdfSampleOf<T> sample_lobe(const Lobe& lobe, Slot slot, Vec3Of<T> wo, Vec2Of<T> u, T u_lobe) const;
+  Vec3Of<T> to_coat(Vec3Of<T> w) const;
   Vec3Of<T> to_tangents(Vec3Of<T> w) const;
   Vec3Of<T> from_tangents(Vec3Of<T> w) const;
 
@@ -131,6 +158,7 @@ class ClosureOf {
   bool viewed_ = false;
   WordOf<T> last_{kNoSlot};  // the last place that is taken
   Vec2Of<T> tangent_{T(1.0f), T(0.0f)};
+  TurnedCoat turned_coat_;
 };
 
 template <typename T>

@@ -38,8 +38,8 @@ struct CookTorranceBsdfOf {
 
   // The microfacets' share of the light reflected to wo, computed for flat microfacets.
   T specular_probability(T cos_o) const {
-    const T shine = max_component(specular * reflectance(cos_o));
-    return select(is_black(diffuse), T(1.0f), shine / (shine + max_component(diffuse)));
+    const T highlight = max_component(specular * reflectance(cos_o));
+    return select(is_black(diffuse), T(1.0f), highlight / (highlight + max_component(diffuse)));
   }
 
   T visibility_term(T cos_o, T cos_i) const {

@@ -51,8 +51,8 @@ Microfacets separable_ggx(float roughness, float anisotropic) {
 
 }  // namespace
 
-DisneyBsdf::DisneyBsdf(const Disney& model, const std::vector<Texture>& textures, Vec2 uv, bool outside,
-                       Rgb tint)
+DisneyBsdf::DisneyBsdf(const Disney& model, const std::vector<Texture>& textures, const UvSets& uv,
+                       bool outside, Rgb tint)
     : thin_(model.thin_walled) {
   const auto at = [&](const ScalarParameter& parameter) { return share(parameter.evaluate(textures, uv)); };
   const float ior = std::clamp(model.ior.evaluate(textures, uv), 1.0f, kMaxIor);

@@ -17,7 +17,8 @@ namespace tessera::core {
 class DisneyBsdf {
  public:
   // Directions are those of bsdf.hpp. `outside` and `tint` as there.
-  DisneyBsdf(const Disney& model, const std::vector<Texture>& textures, Vec2 uv, bool outside, Rgb tint);
+  DisneyBsdf(const Disney& model, const std::vector<Texture>& textures, const UvSets& uv, bool outside,
+             Rgb tint);
 
   void orient(Vec3 tangent_local);
   bool is_delta() const { return false; }

@@ -138,7 +138,7 @@ class PrincipledClosure {
   void add_coat() {
     const MaskOf<T> coated = coat_ != 0;
     if (!any(coated)) return;
-    const Facets<T> facets = facets_of(coat_roughness_, T(0.0f));
+    const Facets<T> facets = facets_of(coat_roughness_, share(&Principled::coat_roughness_anisotropy));
     const RgbOf<T> tint = mix(white<T>(), share(&Principled::coat_color), coat_) * darkening();
     closure_.template add<kCoatSlot>(coated, DielectricLobe{{coat_ior_}, facets.ggx, facets.smooth, true},
                                      RgbOf<T>::gray(coat_), Below{coat_, tint});

@@ -15,7 +15,7 @@ namespace tessera::core {
 template <typename T>
 struct MaterialPointOf {
   const std::vector<Texture>& textures;
-  Vec2Of<T> uv;
+  UvSetsOf<T> uv;
   MaskOf<T> outside;  // the viewer is on the side that the outward geometric normal points to
   RgbOf<T> tint;      // multiplies the base colour
 };

@@ -108,9 +108,10 @@ TextureImage image_of_channel(ImageSize size, std::vector<T>& values, ColorSpace
 }
 
 Result<TextureImage> decode(std::string_view bytes, ColorSpace color_space, TextureChannel channel,
-                            std::vector<std::string>* warnings) {
+                            std::vector<std::string>* warnings, std::string_view layer) {
   const bool wants_alpha = channel == TextureChannel::kAlpha;
-  auto decoded = decode_pixels(bytes, {.max_pixels = kMaxTexturePixels, .keep_alpha = wants_alpha});
+  auto decoded =
+      decode_pixels(bytes, {.max_pixels = kMaxTexturePixels, .keep_alpha = wants_alpha, .layer = layer});
   if (!decoded) return fail(decoded.error());
   if (wants_alpha && decoded->channels == 3) return TextureImage(1, 1, std::vector<std::uint8_t>(3, 255));
   if (auto* floats = std::get_if<DecodedImage::Floats>(&decoded->values))
@@ -131,9 +132,10 @@ Result<TextureSize> texture_size(std::string_view bytes) {
 }
 
 Result<TextureImage> decode_texture_image(std::string_view bytes, ColorSpace color_space,
-                                          TextureChannel channel, std::vector<std::string>* warnings) {
+                                          TextureChannel channel, std::vector<std::string>* warnings,
+                                          std::string_view layer) {
   try {
-    return decode(bytes, color_space, channel, warnings);
+    return decode(bytes, color_space, channel, warnings, layer);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kResourceExhausted, "does not fit into memory");
   }

@@ -24,9 +24,11 @@ Result<TextureSize> texture_size(std::string_view bytes);
 // The image has the size in its header. Alpha is always linear; if it is 1 everywhere, or the file has
 // none, the image is a single texel of 1. Errors of both functions complete a sentence that begins with the
 // file's name: "is a GIF image, which is not supported; save it as PNG". `warnings`, if not null, gets
-// similar sentences for oddities that were tolerated.
+// similar sentences for oddities that were tolerated. `layer` is that of DecodeOptions, whose channels are
+// read as red, green and blue; it has no alpha.
 Result<TextureImage> decode_texture_image(std::string_view bytes, ColorSpace color_space,
                                           TextureChannel channel = TextureChannel::kColor,
-                                          std::vector<std::string>* warnings = nullptr);
+                                          std::vector<std::string>* warnings = nullptr,
+                                          std::string_view layer = {});
 
 }  // namespace tessera::core

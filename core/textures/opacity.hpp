@@ -9,7 +9,8 @@
 namespace tessera::core {
 
 // In [0, 1]. Values that rounding leaves just below 1 between texels of 1 become 1.
-inline float opacity_at(const ScalarParameter& opacity, const std::vector<Texture>& textures, Vec2 uv) {
+inline float opacity_at(const ScalarParameter& opacity, const std::vector<Texture>& textures,
+                        const UvSets& uv) {
   constexpr float kAlmostOne = 1 - 0x1p-20f;
   const float value = opacity.evaluate(textures, uv);
   if (value >= kAlmostOne) return 1;

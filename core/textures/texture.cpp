@@ -84,6 +84,13 @@ T mirrored(T coordinate) {
   return select(within > 1.0f, T(2.0f) - within, within);
 }
 
+// The centre of the texel of a coordinate inside of the image, where the others have no weight but rounding.
+template <typename T>
+T centre_of_texel(T coordinate, T size) {
+  using std::floor;
+  return (floor(coordinate * size) + 0.5f) / size;
+}
+
 // `coordinate` is in units of the image, from 0 at the first texel's outer edge.
 template <typename T>
 Footprint<T> footprint(T coordinate, T size, MaskOf<T> repeat) {
@@ -142,7 +149,7 @@ TextureImage::TextureImage(int width, int height, std::vector<float> linear)
 }
 
 bool TextureImage::is_sound(const Texels& texels) {
-  const auto is_side = [](int texel_count) { return texel_count >= 1 && texel_count <= kMaxPictureSidePx; };
+  const auto is_side = [](int texel_count) { return texel_count >= 1 && texel_count <= kMaxImageSidePx; };
   if (!is_side(texels.width) || !is_side(texels.height)) return false;
   if (texels.format != Format::kFloats)
     return texels.floats.empty() &&
@@ -283,10 +290,34 @@ Rgb Texture::evaluate(Vec2 uv) const {
   if (shear != Vec2{}) at = at + Vec2{uv.y * shear.x, uv.x * shear.y};
   if (wrap == Wrap::kMirror) at.x = mirrored(at.x);
   if (along_v == Wrap::kMirror) at.y = mirrored(at.y);
+  if (filter == TextureFilter::kNearest)
+    at = {centre_of_texel(at.x, static_cast<float>(image->width())),
+          centre_of_texel(at.y, static_cast<float>(image->height()))};
   return image->bilinear(at, wrap, along_v);
 }
 
 namespace {
+
+// The lanes whose textures have the filter kNearest.
+class NearestLanes {
+ public:
+  void set(std::size_t lane, const Texture& texture) {
+    if (texture.filter != TextureFilter::kNearest) return;
+    nearest_ |= 1u << lane;
+    widths_.set(lane, static_cast<float>(texture.image->width()));
+    heights_.set(lane, static_cast<float>(texture.image->height()));
+  }
+  Vec2Of<Float8> moved_to_centres(Vec2Of<Float8> at) const {
+    if (nearest_ == 0) return at;
+    const Mask8 lanes = Mask8::from_bits(nearest_);
+    return {select(lanes, centre_of_texel(at.x, widths_.all()), at.x),
+            select(lanes, centre_of_texel(at.y, heights_.all()), at.y)};
+  }
+
+ private:
+  unsigned nearest_ = 0;                                     // bit i for lane i
+  FloatLanes widths_{Float8(1.0f)}, heights_{Float8(1.0f)};  // of these lanes
+};
 
 // The lanes whose textures wrap in each way.
 struct WrapLanes {
@@ -301,13 +332,22 @@ struct WrapLanes {
   unsigned repeat = 0, mirror = 0;  // bit i for lane i
 };
 
+// The second set where bit i is set for lane i, else the first.
+Vec2Of<Float8> in_lanes(unsigned by_second, const UvSetsOf<Float8>& uv) {
+  if (by_second == 0) return uv.first;
+  const Mask8 second = Mask8::from_bits(by_second);
+  return {select(second, uv.second.x, uv.first.x), select(second, uv.second.y, uv.first.y)};
+}
+
 }  // namespace
 
-RgbOf<Float8> Texture::evaluate(const std::array<const Texture*, kLaneCount>& textures, Vec2Of<Float8> uv) {
+RgbOf<Float8> Texture::evaluate(const std::array<const Texture*, kLaneCount>& textures,
+                                const UvSetsOf<Float8>& uv_sets) {
   std::array<const TextureImage*, kLaneCount> images;
   FloatLanes scale_u, scale_v, offset_u, offset_v, shear_u, shear_v;
   WrapLanes wrap_u, wrap_v;
-  unsigned sheared = 0;
+  NearestLanes nearest;
+  unsigned sheared = 0, by_second = 0;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     const Texture& texture = *textures[lane];
     images[lane] = texture.image.get();
@@ -315,15 +355,18 @@ RgbOf<Float8> Texture::evaluate(const std::array<const Texture*, kLaneCount>& te
     offset_u.set(lane, texture.offset.x), offset_v.set(lane, texture.offset.y);
     shear_u.set(lane, texture.shear.x), shear_v.set(lane, texture.shear.y);
     sheared |= (texture.shear != Vec2{} ? 1u : 0u) << lane;
+    by_second |= (texture.uv_set == UvSet::kSecond ? 1u : 0u) << lane;
+    nearest.set(lane, texture);
     wrap_u.set(lane, texture.wrap);
     wrap_v.set(lane, texture.wrap_v.value_or(texture.wrap));
   }
+  const Vec2Of<Float8> uv = in_lanes(by_second, uv_sets);
   Vec2Of<Float8> at{uv.x * scale_u.all() + offset_u.all(), uv.y * scale_v.all() + offset_v.all()};
   if (sheared != 0) {
     const Mask8 lanes = Mask8::from_bits(sheared);
     at = {select(lanes, at.x + uv.y * shear_u.all(), at.x), select(lanes, at.y + uv.x * shear_v.all(), at.y)};
   }
-  at = {wrap_u.mirrored_where_due(at.x), wrap_v.mirrored_where_due(at.y)};
+  at = nearest.moved_to_centres({wrap_u.mirrored_where_due(at.x), wrap_v.mirrored_where_due(at.y)});
   return TextureImage::bilinear(images, at, Mask8::from_bits(wrap_u.repeat), Mask8::from_bits(wrap_v.repeat));
 }
 
@@ -349,7 +392,7 @@ struct TexturesOf {
 }  // namespace
 
 RgbOf<Float8> evaluate(const std::array<const ColorParameter*, kLaneCount>& parameters,
-                       const std::vector<Texture>& textures, Vec2Of<Float8> uv) {
+                       const std::vector<Texture>& textures, const UvSetsOf<Float8>& uv) {
   RgbLanes constants;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) constants.set(lane, parameters[lane]->value);
   const RgbOf<Float8> value = constants.all();
@@ -359,7 +402,7 @@ RgbOf<Float8> evaluate(const std::array<const ColorParameter*, kLaneCount>& para
 }
 
 Float8 evaluate(const std::array<const ScalarParameter*, kLaneCount>& parameters,
-                const std::vector<Texture>& textures, Vec2Of<Float8> uv) {
+                const std::vector<Texture>& textures, const UvSetsOf<Float8>& uv) {
   FloatLanes constants;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) constants.set(lane, parameters[lane]->value);
   const Float8 value = constants.all();

@@ -16,6 +16,7 @@
 #include "core/math/lane_array.hpp"
 #include "core/math/rgb.hpp"
 #include "core/math/simd_double8.hpp"
+#include "core/math/uv_sets.hpp"
 #include "core/math/vec3.hpp"
 
 namespace tessera::core {
@@ -23,6 +24,8 @@ namespace tessera::core {
 enum class ColorSpace { kSrgb, kLinear };
 // Beyond the image's edges: the image again, its edge, or the image mirrored at each edge.
 enum class Wrap { kRepeat, kClamp, kMirror };
+// Between texels: interpolated, or the nearest one's value.
+enum class TextureFilter { kLinear, kNearest };
 // The channels of a file that become the image: red, green and blue, or a single one in all three.
 enum class TextureChannel { kColor, kAlpha, kRed, kGreen, kBlue };
 
@@ -98,15 +101,19 @@ struct Texture {
   Vec2 offset{0, 0};
   std::optional<Wrap> wrap_v{};
   Vec2 shear{0, 0};
+  UvSet uv_set = UvSet::kFirst;  // the texture coordinates u and v
+  TextureFilter filter = TextureFilter::kLinear;
 
   bool operator==(const Texture&) const = default;
 
   // Whether u of the image depends on v of the surface, or the reverse, as in rotated images.
   bool is_sheared() const { return shear != Vec2{}; }
 
-  Rgb evaluate(Vec2 uv) const;  // bilinear, linear colour
+  Rgb evaluate(Vec2 uv) const;  // filtered, linear colour; at coordinates of its set
+  Rgb evaluate(const UvSets& uv) const { return evaluate(uv[uv_set]); }
   // Evaluates eight textures; each lane equals evaluate().
-  static RgbOf<Float8> evaluate(const std::array<const Texture*, kLaneCount>& textures, Vec2Of<Float8> uv);
+  static RgbOf<Float8> evaluate(const std::array<const Texture*, kLaneCount>& textures,
+                                const UvSetsOf<Float8>& uv);
 };
 
 // A constant, or a texture times a constant.
@@ -114,7 +121,7 @@ struct ColorParameter {
   Rgb value = Rgb::gray(1);
   int texture = -1;  // index among the scene's textures, -1 for none
 
-  Rgb evaluate(const std::vector<Texture>& textures, Vec2 uv) const {
+  Rgb evaluate(const std::vector<Texture>& textures, const UvSets& uv) const {
     return texture < 0 ? value : value * textures[static_cast<std::size_t>(texture)].evaluate(uv);
   }
 };
@@ -126,15 +133,15 @@ struct ScalarParameter {
   float value;
   int texture;  // as above
 
-  float evaluate(const std::vector<Texture>& textures, Vec2 uv) const {
+  float evaluate(const std::vector<Texture>& textures, const UvSets& uv) const {
     return texture < 0 ? value : value * textures[static_cast<std::size_t>(texture)].evaluate(uv).r;
   }
 };
 
 // Evaluates eight parameters; each lane equals evaluate().
 RgbOf<Float8> evaluate(const std::array<const ColorParameter*, kLaneCount>& parameters,
-                       const std::vector<Texture>& textures, Vec2Of<Float8> uv);
+                       const std::vector<Texture>& textures, const UvSetsOf<Float8>& uv);
 Float8 evaluate(const std::array<const ScalarParameter*, kLaneCount>& parameters,
-                const std::vector<Texture>& textures, Vec2Of<Float8> uv);
+                const std::vector<Texture>& textures, const UvSetsOf<Float8>& uv);
 
 }  // namespace tessera::core

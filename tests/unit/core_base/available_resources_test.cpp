@@ -79,13 +79,27 @@ TEST_F(AvailableResources, KnowContainersThatSeeTheirOwnGroupMounted) {
   EXPECT_EQ(threads(), 1u);
 }
 
-TEST_F(AvailableResources, FollowEnvironmentVariablesDownward) {
+TEST_F(AvailableResources, FollowTheFirstVariableThatIsSet) {
   variables_["OMP_NUM_THREADS"] = "16,2";
   EXPECT_EQ(threads(), 16u);
   variables_["SLURM_CPUS_PER_TASK"] = "4";
   EXPECT_EQ(threads(), 4u);
+  variables_["OMP_NUM_THREADS"] = "1";
+  EXPECT_EQ(threads(), 4u) << "a profile does not restrict what Slurm has granted";
+  variables_["SLURM_CPUS_PER_TASK"] = "0";
+  EXPECT_EQ(threads(), 1u);
+}
+
+TEST_F(AvailableResources, GrantNoMoreThanTheMaskAndTheGroupsWhateverVariablesSay) {
+  variables_["SLURM_CPUS_PER_TASK"] = "256";
+  EXPECT_EQ(threads(), 128u);
+  be_in("0::/job\n", kV2);
+  write("sys/fs/cgroup/job/cpu.max", "400000 100000\n");
+  EXPECT_EQ(threads(), 4u);
   sources_.affinity_processors = 3;
   EXPECT_EQ(threads(), 3u);
+  variables_["SLURM_CPUS_PER_TASK"] = "2";
+  EXPECT_EQ(threads(), 2u);
 }
 
 TEST_F(AvailableResources, IgnoreVariablesThatAreNoPositiveNumbers) {

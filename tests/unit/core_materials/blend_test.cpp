@@ -21,6 +21,22 @@ TEST(Blends, AreChosenByTheirWeight) {
   EXPECT_EQ(scatterer_at(all[0], all, {}, {}, 1, 0.76f).name, "a");
 }
 
+TEST(Blends, MayHaveAPartOnEachSide) {
+  const auto all = two_and({.first = 0, .second = 1, .weight = 0.25f, .by_side = true});
+  for (const float u : {0.0f, 0.5f, 0.999f}) {
+    EXPECT_EQ(scatterer_at(all[2], all, {}, {}, 1, u).name, "a");
+    EXPECT_EQ(scatterer_at(all[2], all, {}, {}, 1, u, true).name, "b");
+  }
+}
+
+TEST(Blends, LetLightPassByTheSideThatItMeets) {
+  const std::vector<Material> all{
+      {"a", Lambert{}}, {"b", Null{}}, {"sides", Blend{.first = 0, .second = 1, .by_side = true}}};
+  EXPECT_EQ(interception_at(all[2], all, {}, {}, 1).hit, 1);
+  EXPECT_EQ(interception_at(all[2], all, {}, {}, 1, true).hit, 0);
+  EXPECT_EQ(interception_at(all[2], all, {}, {}, 1, true).transmittance, Rgb::gray(1));
+}
+
 // What is left of the random number is used again.
 TEST(Blends, MayBeOfBlends) {
   auto all = two_and({.first = 0, .second = 1, .weight = 0.5f});

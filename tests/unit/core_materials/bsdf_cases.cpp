@@ -171,6 +171,10 @@ std::vector<BsdfCase> bsdf_cases() {
   }
   cases.push_back({"layered", material_of(layered())});
   cases.push_back({"layered_inside", material_of(layered()), false});
+  cases.push_back({"leaning_coat", material_of(layered()), true, leaning_frame()});
+  Principled brushed = layered();
+  brushed.coat_roughness_anisotropy = 0.6f;
+  cases.push_back({"leaning_brushed_coat", material_of(brushed), true, leaning_frame()});
   cases.push_back({"thin_walled", material_of(thin_walled())});
   cases.push_back({"rough_plastic", material_of(rough_plastic())});
   cases.push_back({"brushed_metal", material_of(brushed_metal())});
@@ -183,6 +187,10 @@ std::vector<BsdfCase> bsdf_cases() {
   cases.push_back({"disney_sheet", material_of(disney_sheet())});
   cases.push_back({"leaf", material_of(DiffuseTransmission{{{0.1f, 0.4f, 0.1f}}, {{0.2f, 0.5f, 0.1f}}})});
   return cases;
+}
+
+Frame leaning_frame() {
+  return Frame::around(normalize(Vec3{0.3f, -0.2f, 1})).turned_to({0.5f, 1, 0.2f});
 }
 
 std::vector<Vec3> viewers() {

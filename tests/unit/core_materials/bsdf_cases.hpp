@@ -3,10 +3,12 @@
 // all of them must pass.
 #pragma once
 
+#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
 
+#include "core/math/frame.hpp"
 #include "core/shading/bsdf.hpp"
 
 namespace tessera::core::test {
@@ -15,8 +17,13 @@ struct BsdfCase {
   std::string name;
   Material material;
   bool outside = true;
+  std::optional<Frame> coat{};  // of its own
 
-  Bsdf bsdf() const { return Bsdf(material, {}, {}, outside); }
+  Bsdf bsdf() const {
+    Bsdf made(material, {}, {}, outside);
+    if (coat) made.turn_coat(true, *coat, {});
+    return made;
+  }
 };
 
 inline void PrintTo(const BsdfCase& one, std::ostream* os) {
@@ -24,6 +31,9 @@ inline void PrintTo(const BsdfCase& one, std::ostream* os) {
 }
 
 std::vector<BsdfCase> bsdf_cases();
+
+// A frame whose normal is above none of the viewers' horizons, and leans.
+Frame leaning_frame();
 
 // A viewer above, one aside and one at a low angle.
 std::vector<Vec3> viewers();

@@ -94,6 +94,48 @@ constexpr Measured kMercury[] = {{364.66, 0.713, 3.074}, {387.45, 0.7982, 3.294}
 // Pflüger et al. 1984.
 constexpr Measured kTitaniumNitride[] = {
     {354.2, 2.14, 1.06}, {413.3, 1.74, 1.04}, {495.9, 1.2, 1.65}, {619.9, 1.32, 2.69}, {826.6, 1.82, 3.81}};
+// Stephens and Malitson 1952, dispersion formula.
+constexpr Measured kMagnesiumOxide[] = {
+    {380, 1.7673, 0}, {400, 1.7621, 0}, {420, 1.7577, 0}, {440, 1.754, 0},  {460, 1.7507, 0},
+    {480, 1.7479, 0}, {500, 1.7455, 0}, {520, 1.7433, 0}, {540, 1.7413, 0}, {560, 1.7396, 0},
+    {580, 1.7381, 0}, {600, 1.7366, 0}, {620, 1.7354, 0}, {640, 1.7342, 0}, {660, 1.7332, 0},
+    {680, 1.7322, 0}, {700, 1.7313, 0}};
+// DeVore 1951, dispersion formula.
+constexpr Measured kTitaniumDioxide[] = {
+    {380, 3.1179, 0}, {400, 2.996, 0},  {420, 2.9074, 0}, {440, 2.8403, 0}, {460, 2.7878, 0},
+    {480, 2.7458, 0}, {500, 2.7114, 0}, {520, 2.6827, 0}, {540, 2.6586, 0}, {560, 2.638, 0},
+    {580, 2.6203, 0}, {600, 2.6049, 0}, {620, 2.5915, 0}, {640, 2.5796, 0}, {660, 2.5691, 0},
+    {680, 2.5597, 0}, {700, 2.5512, 0}};
+// DeVore 1951, dispersion formula.
+constexpr Measured kTitaniumDioxideExtraordinary[] = {
+    {380, 3.5671, 0}, {400, 3.4037, 0}, {420, 3.2869, 0}, {440, 3.1994, 0}, {460, 3.1315, 0},
+    {480, 3.0775, 0}, {500, 3.0335, 0}, {520, 2.997, 0},  {540, 2.9664, 0}, {560, 2.9404, 0},
+    {580, 2.918, 0},  {600, 2.8986, 0}, {620, 2.8817, 0}, {640, 2.8667, 0}, {660, 2.8535, 0},
+    {680, 2.8418, 0}, {700, 2.8312, 0}};
+// Peter 1923, dispersion formula.
+constexpr Measured kDiamond[] = {{380, 2.4741, 0}, {400, 2.4641, 0}, {420, 2.4557, 0}, {440, 2.4486, 0},
+                                 {460, 2.4424, 0}, {480, 2.437, 0},  {500, 2.4324, 0}, {520, 2.4282, 0},
+                                 {540, 2.4246, 0}, {560, 2.4214, 0}, {580, 2.4185, 0}, {600, 2.4159, 0},
+                                 {620, 2.4136, 0}, {640, 2.4115, 0}, {660, 2.4096, 0}, {680, 2.4078, 0},
+                                 {700, 2.4062, 0}};
+// Li 1976, dispersion formula.
+constexpr Measured kCaesiumIodide[] = {{380, 1.8653, 0}, {400, 1.8506, 0}, {420, 1.8386, 0}, {440, 1.8286, 0},
+                                       {460, 1.8201, 0}, {480, 1.8129, 0}, {500, 1.8067, 0}, {520, 1.8013, 0},
+                                       {540, 1.7966, 0}, {560, 1.7925, 0}, {580, 1.7888, 0}, {600, 1.7856, 0},
+                                       {620, 1.7827, 0}, {640, 1.7801, 0}, {660, 1.7777, 0}, {680, 1.7756, 0},
+                                       {700, 1.7736, 0}};
+// Singh et al. 1971, dispersion formula.
+constexpr Measured kSiliconCarbide[] = {
+    {380, 2.7947, 0}, {400, 2.7679, 0}, {420, 2.7456, 0}, {440, 2.7267, 0}, {460, 2.7107, 0},
+    {480, 2.6969, 0}, {500, 2.6849, 0}, {520, 2.6744, 0}, {540, 2.6652, 0}, {560, 2.6571, 0},
+    {580, 2.6499, 0}, {600, 2.6434, 0}, {620, 2.6376, 0}, {640, 2.6324, 0}, {660, 2.6277, 0},
+    {680, 2.6234, 0}, {700, 2.6195, 0}};
+// Rakić et al. 1998, Lorentz-Drude model.
+constexpr Measured kBeryllium[] = {
+    {380, 2.777, 3.094}, {400, 2.87, 3.115},  {420, 2.959, 3.13},  {440, 3.041, 3.14},  {460, 3.116, 3.146},
+    {480, 3.182, 3.148}, {500, 3.239, 3.149}, {520, 3.288, 3.15},  {540, 3.329, 3.151}, {560, 3.362, 3.153},
+    {580, 3.389, 3.157}, {600, 3.41, 3.164},  {620, 3.426, 3.173}, {640, 3.437, 3.185}, {660, 3.443, 3.2},
+    {680, 3.446, 3.217}, {700, 3.446, 3.238}};
 
 Measured interpolated(std::span<const Measured> table, double nm) {
   const auto next =
@@ -157,7 +199,15 @@ INSTANTIATE_TEST_SUITE_P(
         Metal{"brass", Conductor::kBrass, kBrass}, Metal{"chromium", Conductor::kChromium, kChromium},
         Metal{"nickel", Conductor::kNickel, kNickel}, Metal{"tungsten", Conductor::kTungsten, kTungsten},
         Metal{"mercury", Conductor::kMercury, kMercury},
-        Metal{"titanium_nitride", Conductor::kTitaniumNitride, kTitaniumNitride}));
+        Metal{"titanium_nitride", Conductor::kTitaniumNitride, kTitaniumNitride},
+        Metal{"magnesium_oxide", Conductor::kMagnesiumOxide, kMagnesiumOxide},
+        Metal{"titanium_dioxide", Conductor::kTitaniumDioxide, kTitaniumDioxide},
+        Metal{"titanium_dioxide_extraordinary", Conductor::kTitaniumDioxideExtraordinary,
+              kTitaniumDioxideExtraordinary},
+        Metal{"diamond", Conductor::kDiamond, kDiamond},
+        Metal{"caesium_iodide", Conductor::kCaesiumIodide, kCaesiumIodide},
+        Metal{"silicon_carbide", Conductor::kSiliconCarbide, kSiliconCarbide},
+        Metal{"beryllium", Conductor::kBeryllium, kBeryllium}));
 
 }  // namespace
 }  // namespace tessera::core

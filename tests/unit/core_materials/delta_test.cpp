@@ -48,8 +48,8 @@ TEST(GlassBsdf, IsSmoothWhereItsRoughnessIsZero) {
   const TextureImage image{2, 1, std::vector<float>{0, 0, 0, 1, 1, 1}};
   const std::vector<Texture> textures{{.image = std::make_shared<TextureImage>(image)}};
   const Material frosted = test::material_of(Glass{.roughness = {0.5f, 0}});
-  EXPECT_TRUE(Bsdf(frosted, textures, {0.25f, 0.5f}, true).is_delta());
-  EXPECT_FALSE(Bsdf(frosted, textures, {0.75f, 0.5f}, true).is_delta());
+  EXPECT_TRUE(Bsdf(frosted, textures, Vec2{0.25f, 0.5f}, true).is_delta());
+  EXPECT_FALSE(Bsdf(frosted, textures, Vec2{0.75f, 0.5f}, true).is_delta());
 }
 
 TEST(GlassBsdf, KeepsItsDirectionsWhenSampledUniformly) {

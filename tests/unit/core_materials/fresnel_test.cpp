@@ -22,6 +22,14 @@ TEST(Fresnel, HasItsKnownValues) {
   EXPECT_NEAR(fresnel_dielectric(cos_brewster, 1.5f), 0.5 * std::pow((1 - 2.25) / (1 + 2.25), 2), 1e-6);
 }
 
+TEST(Fresnel, TheIndexFollowsFromTheReflectance) {
+  for (const float ior : {1.0f, 1.33f, 1.5f, 2.5f})
+    EXPECT_NEAR(index_of_reflectance(normal_reflectance(ior), 10), ior, 1e-5);
+  EXPECT_EQ(index_of_reflectance(0, 10), 1);
+  EXPECT_EQ(index_of_reflectance(1, 10), 10);
+  EXPECT_EQ(index_of_reflectance(0.99f, 10), 10);
+}
+
 TEST(Fresnel, RefractionObeysSnell) {
   for (const float eta : {1.33f, 1.5f, 1 / 1.5f}) {
     const Vec3 w = normalize({0.3f, -0.2f, 1});
@@ -71,7 +79,8 @@ TEST(ConductorFresnel, IsAllAtGrazingAngles) {
   EXPECT_NEAR(fresnel_conductor(0, gold.eta, gold.k).b, 1, 1e-6);
 }
 
-// ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2) head-on, computed apart from the fitted indices (conductor_test.cpp has the published ones).
+// ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2) head-on, computed apart from the fitted indices
+// (conductor_test.cpp has the published ones).
 TEST(Conductors, ReflectHeadOnWhatTheirIndicesSay) {
   const auto expect_reflectance = [](Conductor conductor, double r, double g, double b) {
     const ComplexIndex index = complex_index(conductor);

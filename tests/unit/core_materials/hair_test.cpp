@@ -33,7 +33,7 @@ HairBsdf hair_bsdf(const HairCase& one, Rgb absorption) {
   model.sigma_a.value = absorption;
   model.beta_m = one.beta_m;
   model.beta_n = one.beta_n;
-  HairBsdf bsdf(model, {}, {0.5f, one.across});
+  HairBsdf bsdf(model, {}, Vec2{0.5f, one.across});
   bsdf.orient(normalize(Vec3{1, 0.5f, 0}));
   return bsdf;
 }
@@ -132,7 +132,7 @@ TEST(HairBsdf, BlackHairReflectsAboutItsNormal) {
   model.beta_m = model.beta_n = 0.05f;
   model.tilt_degrees = 0;
   // The viewer is aside of the normal by -y, and across grows along the normal times the tangent, +y.
-  HairBsdf bsdf(model, {}, {0.5f, 0.75f});
+  HairBsdf bsdf(model, {}, Vec2{0.5f, 0.75f});
   bsdf.orient({1, 0, 0});
   const Vec3 wo{0, -0.5f, std::sqrt(0.75f)};
   for (int i = 0; i < 200; ++i) {

@@ -81,6 +81,39 @@ TEST(WhiteFurnace, PrincipledReflectsAllLight) {
             << name << ", roughness " << roughness << ", cosine " << cos_o;
 }
 
+// What a leaning coat scatters below the plane of the base is mirrored.
+TEST(WhiteFurnace, LeaningCoatsReflectAllLight) {
+  for (const float roughness : {0.0f, 0.25f, 0.5f, 1.0f})
+    for (const Vec3 wo : test::viewers()) {
+      Principled model = white(0.4f);
+      model.coat_weight = 1;
+      model.coat_roughness = roughness;
+      Bsdf bsdf = bsdf_of(model);
+      bsdf.turn_coat(true, test::leaning_frame(), wo);
+      EXPECT_NEAR(received(bsdf, wo).g, 1, 5e-3f) << roughness << ' ' << wo.z;
+    }
+}
+
+// Over nothing, between directions that are above both planes: as seen in the frame of the coat.
+TEST(Coat, ThatLeansIsReciprocalAlone) {
+  Principled model = white(0);
+  model.base_color.value = {};
+  model.specular_weight = 0;
+  model.coat_weight = 1;
+  model.coat_roughness = 0.3f;
+  const Frame coat = test::leaning_frame();
+  Bsdf bsdf = bsdf_of(model);
+  bsdf.turn_coat(true, coat, {});
+  const Bsdf level = bsdf_of(model);
+  for (const Vec3 a : {seen_at(0.9f), seen_at(0.7f)})
+    for (const Vec3 b : {Vec3{0, 0, 1}, normalize(Vec3{-0.5f, 0.3f, 1})}) {
+      const float there = bsdf.evaluate(a, b).value.g / dot(b, coat.normal);
+      EXPECT_NEAR(bsdf.evaluate(b, a).value.g / dot(a, coat.normal), there, 5e-3f * there);
+      const Vec3 a_coat = coat.to_local(a), b_coat = coat.to_local(b);
+      EXPECT_NEAR(level.evaluate(a_coat, b_coat).value.g / b_coat.z, there, 1e-3f * there);
+    }
+}
+
 TEST(WhiteFurnace, SmoothPlasticReflectsAllLight) {
   for (const float ior : {1.1f, 1.5f, 2.4f})
     for (const float cos_o : {1.0f, 0.6f, 0.2f}) {

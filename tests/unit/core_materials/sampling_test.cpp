@@ -123,9 +123,9 @@ TEST_P(BsdfSampling, WeighsSamplesByValueOverDensity) {
 
 // Different samplers of one model have the same mean.
 TEST_P(BsdfSampling, HasTheMeanOfUniformSampling) {
-  Material uniform = GetParam().material;
-  uniform.sampling = Sampling::kUniform;
-  const Bsdf bsdf = GetParam().bsdf(), reference(uniform, {}, {}, GetParam().outside);
+  test::BsdfCase uniform = GetParam();
+  uniform.material.sampling = Sampling::kUniform;
+  const Bsdf bsdf = GetParam().bsdf(), reference = uniform.bsdf();
   for (const Vec3 wo : test::viewers()) {
     double sum = 0, sum2 = 0, reference_sum = 0, reference_sum2 = 0;
     for (int i = 0; i < kSamples; ++i) {

@@ -11,7 +11,7 @@
 namespace tessera::core {
 namespace {
 
-FilmTile picture_of(const SceneDescription& description, int threads) {
+FilmTile film_with_threads(const SceneDescription& description, int threads) {
   const Scene scene = Scene::build(description, threads).value();
   const RenderSettings& settings = scene.settings();
   return render(prepare(scene, settings, threads), {0, 0, settings.width_px, settings.height_px}, {0, 4},
@@ -40,10 +40,11 @@ TEST(CoincidentFaces, ShowTheFirstForAnyNumberOfThreads) {
   once.shapes.push_back(scraps(0));
   SceneDescription twice = once;
   twice.shapes.push_back(scraps(1));
-  const FilmTile expected = picture_of(once, 1);
-  for (const int threads : {1, 2, 5}) EXPECT_EQ(picture_of(twice, threads).sums, expected.sums) << threads;
+  const FilmTile expected = film_with_threads(once, 1);
+  for (const int threads : {1, 2, 5})
+    EXPECT_EQ(film_with_threads(twice, threads).sums, expected.sums) << threads;
   std::swap(twice.shapes[twice.shapes.size() - 2], twice.shapes.back());
-  EXPECT_NE(picture_of(twice, 1).sums, expected.sums);
+  EXPECT_NE(film_with_threads(twice, 1).sums, expected.sums);
 }
 
 }  // namespace

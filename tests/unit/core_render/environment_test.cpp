@@ -23,9 +23,9 @@
 namespace tessera::core {
 namespace {
 
-using Picture = std::shared_ptr<const TextureImage>;
+using SkyImage = std::shared_ptr<const TextureImage>;
 
-Picture picture(int width, int height, const std::function<float(int, int)>& value) {
+SkyImage sky_image(int width, int height, const std::function<float(int, int)>& value) {
   std::vector<float> texels;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) texels.insert(texels.end(), 3, value(x, y));
@@ -34,7 +34,7 @@ Picture picture(int width, int height, const std::function<float(int, int)>& val
 
 struct EnvironmentCase {
   const char* name;
-  Picture image;
+  SkyImage image;
   float rotation = 0;
   int least_cells = 50;  // that samples fall into
 };
@@ -57,13 +57,13 @@ class EnvironmentSampling : public testing::TestWithParam<std::tuple<Environment
   Vec3 normal_ = std::get<1>(GetParam()).normal;
 };
 
-// Pearson's test with the picture's texels for cells, or parts of them, on each quarter of which the density
+// Pearson's test with the image's texels for cells, or parts of them, on each quarter of which the density
 // is even, or bilinear but for a cosine of the latitude that it is divided by. Samples of black directions
 // are not answered; light begins and ends half way between texels' edges.
 void EnvironmentSampling::expect_samples_match_density(MisCompensation compensation, int least_cells) const {
   constexpr int kSamples = 200000;
   const auto at_least = [](int texels, int least) { return texels * ((least + texels - 1) / texels); };
-  const Picture& image = surroundings().image;
+  const SkyImage& image = surroundings().image;
   const int width = at_least(image ? image->width() : 1, 32),
             height = at_least(image ? image->height() : 1, 16);
   const double rotation = static_cast<double>(surroundings().rotation) * std::numbers::pi / 180;
@@ -175,43 +175,44 @@ TEST_P(EnvironmentSampling, FindsTheLightThatThereIs) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Pictures, EnvironmentSampling,
+    Images, EnvironmentSampling,
     testing::Combine(
         testing::Values(
             EnvironmentCase{"constant", nullptr, 0, 480},
             EnvironmentCase{
-                "coarse", picture(8, 4, [](int x, int y) { return static_cast<float>((x * 5 + y * 3) % 7); }),
-                0, 30},
+                "coarse",
+                sky_image(8, 4, [](int x, int y) { return static_cast<float>((x * 5 + y * 3) % 7); }), 0, 30},
             EnvironmentCase{
                 "coarse_turned",
-                picture(8, 4, [](int x, int y) { return static_cast<float>((x * 5 + y * 3) % 7); }), 77, 30},
+                sky_image(8, 4, [](int x, int y) { return static_cast<float>((x * 5 + y * 3) % 7); }), 77,
+                30},
             EnvironmentCase{"odd_sides",
-                            picture(101, 53,
-                                    [](int x, int y) {
-                                      if (x > 30 && x < 40) return 0.0f;
-                                      return x == 60 && y == 41 ? 300.0f : static_cast<float>((x * y) % 5);
-                                    }),
+                            sky_image(101, 53,
+                                      [](int x, int y) {
+                                        if (x > 30 && x < 40) return 0.0f;
+                                        return x == 60 && y == 41 ? 300.0f : static_cast<float>((x * y) % 5);
+                                      }),
                             130, 1000},
-            EnvironmentCase{"a_column", picture(1, 40, [](int, int y) { return static_cast<float>(y % 9); }),
+            EnvironmentCase{"a_column",
+                            sky_image(1, 40, [](int, int y) { return static_cast<float>(y % 9); }), 0, 100},
+            EnvironmentCase{"a_row", sky_image(40, 1, [](int x, int) { return static_cast<float>(x % 7); }),
                             0, 100},
-            EnvironmentCase{"a_row", picture(40, 1, [](int x, int) { return static_cast<float>(x % 7); }), 0,
-                            100},
             EnvironmentCase{
                 "large_and_uneven",
-                picture(512, 256, [](int x, int y) { return (x / 16 + y / 16) % 3 == 0 ? 4.0f : 0.25f; }), 0,
-                1000},
-            EnvironmentCase{"black_above", picture(16, 9, [](int, int y) { return y < 5 ? 0.0f : 1.0f; }), 0,
-                            80},
-            EnvironmentCase{"one_bright_texel",
-                            picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1000.0f : 0.0f; }),
-                            -200, 9},
+                sky_image(512, 256, [](int x, int y) { return (x / 16 + y / 16) % 3 == 0 ? 4.0f : 0.25f; }),
+                0, 1000},
+            EnvironmentCase{"black_above", sky_image(16, 9, [](int, int y) { return y < 5 ? 0.0f : 1.0f; }),
+                            0, 80},
+            EnvironmentCase{
+                "one_bright_texel",
+                sky_image(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1000.0f : 0.0f; }), -200, 9},
             EnvironmentCase{"bright_pole",
-                            picture(32, 16, [](int x, int y) { return y == 0 && x == 3 ? 500.0f : 0.1f; })},
+                            sky_image(32, 16, [](int x, int y) { return y == 0 && x == 3 ? 500.0f : 0.1f; })},
             EnvironmentCase{
                 "suns_at_both_poles",
-                picture(128, 64, [](int x, int y) { return y % 63 == 0 && x == 3 ? 500.0f : 0.1f; })},
+                sky_image(128, 64, [](int x, int y) { return y % 63 == 0 && x == 3 ? 500.0f : 0.1f; })},
             EnvironmentCase{"across_the_seam",
-                            picture(32, 16, [](int x, int y) { return x == 0 && y == 8 ? 100.0f : 0.01f; }),
+                            sky_image(32, 16, [](int x, int y) { return x == 0 && y == 8 ? 100.0f : 0.01f; }),
                             15}),
         testing::Values(LitCase{"from_all_sides", {}}, LitCase{"from_above", {0, 1, 0}},
                         LitCase{"aslant", {0.48f, -0.6f, 0.64f}})),
@@ -222,7 +223,7 @@ INSTANTIATE_TEST_SUITE_P(
 // Only the texel and those beside it, between which it is interpolated.
 TEST(EnvironmentSampling, OneBrightTexelGetsAllSamples) {
   const Environment environment(
-      Rgb::gray(1), picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1000.0f : 0.0f; }), 0);
+      Rgb::gray(1), sky_image(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1000.0f : 0.0f; }), 0);
   for (int i = 0; i < 1000; ++i) {
     const auto u = Sampler(8, i, 0, 0).pad(0);
     const auto s = environment.sample(Vec3{}, Vec2{u[0], u[1]});
@@ -237,7 +238,7 @@ TEST(EnvironmentSampling, OneBrightTexelGetsAllSamples) {
 // Where one texel outshines the rest by any factor, the rest is still sampled.
 TEST(EnvironmentSampling, FindsAFaintSkyBesideASun) {
   const Environment environment(
-      Rgb::gray(1), picture(64, 32, [](int x, int y) { return x == 20 && y == 29 ? 1e9f : 1.0f; }), 0);
+      Rgb::gray(1), sky_image(64, 32, [](int x, int y) { return x == 20 && y == 29 ? 1e9f : 1.0f; }), 0);
   constexpr int kSamples = 100000;
   double from_above = 0;
   for (int i = 0; i < kSamples; ++i) {
@@ -253,7 +254,7 @@ TEST(EnvironmentSampling, FindsAFaintSkyBesideASun) {
 TEST(EnvironmentSampling, FindsEveryTexelOfARareCell) {
   constexpr int kRows = 4096;
   for (const bool upper : {true, false}) {
-    const auto striped = picture(128, kRows, [&](int x, int y) {
+    const auto striped = sky_image(128, kRows, [&](int x, int y) {
       return (y > kRows / 2) == upper ? 1 : x % 4 == 0 ? 0.2f : 0.02f;
     });
     const Environment environment(Rgb::gray(1), striped, 0);
@@ -279,7 +280,7 @@ TEST(EnvironmentSampling, FindsEveryTexelOfARareCell) {
 // Where a sun fades, samples count as much as where it is brightest: it is sampled as it is interpolated.
 TEST(EnvironmentSampling, SamplesOfASunCountAlike) {
   const auto sun = [](int x, int y) { return std::abs(x - 136) <= 2 && std::abs(y - 40) <= 2 ? 1e6f : 1.0f; };
-  const Environment environment(Rgb::gray(1), picture(512, 256, sun), 0);
+  const Environment environment(Rgb::gray(1), sky_image(512, 256, sun), 0);
   int fading = 0;
   for (int i = 0; i < 2000; ++i) {
     const auto u = Sampler(14, i, 0, 0).pad(0);
@@ -294,11 +295,11 @@ TEST(EnvironmentSampling, SamplesOfASunCountAlike) {
 }
 
 // Of a sky that is the same all over, 19 samples in 20 are in proportion to the cosine, whichever way the
-// surface faces and the picture is turned; those that go by a surface's edge are few.
+// surface faces and the image is turned; those that go by a surface's edge are few.
 TEST(EnvironmentSampling, LooksWhereTheSurfaceFaces) {
   constexpr int kSamples = 4000;
   for (const float rotation : {0.0f, 77.0f, -200.0f}) {
-    const Environment environment(Rgb::gray(1), picture(64, 32, [](int, int) { return 1.0f; }), rotation);
+    const Environment environment(Rgb::gray(1), sky_image(64, 32, [](int, int) { return 1.0f; }), rotation);
     for (int n = 0; n < 26; ++n) {
       const Vec3 normal =
           n < 6 ? Vec3{static_cast<float>(n == 0) - static_cast<float>(n == 1),
@@ -325,7 +326,7 @@ TEST(EnvironmentSampling, LooksWhereTheSurfaceFaces) {
 TEST(EnvironmentSampling, FindsASunJustOverTheHorizon) {
   for (const int column : {0, 19, 47, 100}) {
     const Environment environment(
-        Rgb::gray(1), picture(128, 64, [&](int x, int y) { return x == column && y == 30 ? 1e4f : 1e-3f; }),
+        Rgb::gray(1), sky_image(128, 64, [&](int x, int y) { return x == column && y == 30 ? 1e4f : 1e-3f; }),
         0);
     for (int i = 0; i < 900; ++i) {
       const auto u = Sampler(12, i, column, 0).pad(0);
@@ -348,7 +349,7 @@ TEST(EnvironmentSampling, FindsASunJustOverTheHorizon) {
 }
 
 TEST(EnvironmentSampling, ReachesBothEndsOfItsRange) {
-  const Environment environment(Rgb::gray(1), picture(64, 32, [](int, int) { return 1.0f; }), 0);
+  const Environment environment(Rgb::gray(1), sky_image(64, 32, [](int, int) { return 1.0f; }), 0);
   constexpr float kJustBelowOne = 1 - 0x1p-24f;
   const auto top = environment.sample(Vec3{}, Vec2{0, 0});
   const auto bottom = environment.sample(Vec3{}, Vec2{kJustBelowOne, kJustBelowOne});
@@ -359,41 +360,41 @@ TEST(EnvironmentSampling, ReachesBothEndsOfItsRange) {
 
 TEST(EnvironmentSampling, HasADensityForWhatIsNoDirection) {
   const Environment environment(
-      Rgb::gray(1), picture(128, 64, [](int x, int y) { return x == 1 && y == 1 ? 1e4f : 1.0f; }), 0);
+      Rgb::gray(1), sky_image(128, 64, [](int x, int y) { return x == 1 && y == 1 ? 1e4f : 1.0f; }), 0);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_TRUE(std::isfinite(environment.pdf({0, 1, 0}, {nan, nan, nan})));
 }
 
 TEST(EnvironmentSampling, BlackSurroundingsHaveNoPower) {
   EXPECT_EQ(Environment(Rgb::gray(0), nullptr, 0).power(1), 0);
-  EXPECT_EQ(Environment(Rgb::gray(1), picture(7, 3, [](int, int) { return 0.0f; }), 0).power(1), 0);
+  EXPECT_EQ(Environment(Rgb::gray(1), sky_image(7, 3, [](int, int) { return 0.0f; }), 0).power(1), 0);
 }
 
 // A sun counts in full where it is seen, the sky a quarter.
 TEST(EnvironmentSampling, SeeksTheSunMoreThanTheSky) {
-  const auto sought = [](const Picture& sky, Vec3 normal) {
+  const auto importance = [](const SkyImage& sky, Vec3 normal) {
     return Environment(Rgb::gray(1), sky, 0).importance_by_normal()[normal_bin(normal)].uncompensated;
   };
-  const auto even = picture(64, 32, [](int, int) { return 1.0f; });
-  const auto sun = picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1e5f : 0.0f; });
-  EXPECT_NEAR(sought(even, {0, 1, 0}), std::numbers::pi / 4, 0.02);
-  EXPECT_NEAR(sought(even, {0, 0, 0}), std::numbers::pi / 4, 1e-3);
+  const auto even = sky_image(64, 32, [](int, int) { return 1.0f; });
+  const auto sun = sky_image(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1e5f : 0.0f; });
+  EXPECT_NEAR(importance(even, {0, 1, 0}), std::numbers::pi / 4, 0.02);
+  EXPECT_NEAR(importance(even, {0, 0, 0}), std::numbers::pi / 4, 1e-3);
   const double theta = std::numbers::pi * 9.5 / 32,
                solid_angle = std::sin(theta) * std::pow(std::numbers::pi / 32, 2);
-  EXPECT_NEAR(sought(sun, {0, 1, 0}), 1e5 * solid_angle * std::cos(theta), 0.1 * 1e5 * solid_angle);
-  EXPECT_LT(sought(sun, {0, -1, 0}), 0.03 * sought(sun, {0, 1, 0}));
-  EXPECT_GT(sought(sun, {0, -1, 0}), 0);
+  EXPECT_NEAR(importance(sun, {0, 1, 0}), 1e5 * solid_angle * std::cos(theta), 0.1 * 1e5 * solid_angle);
+  EXPECT_LT(importance(sun, {0, -1, 0}), 0.03 * importance(sun, {0, 1, 0}));
+  EXPECT_GT(importance(sun, {0, -1, 0}), 0);
 }
 
 // Of an even sky nothing exceeds the mean, of a sun all. A gradient from 1 to 3 exceeds its mean, as a
 // surface that faces all sides receives it, by half a unit on one half of the sphere.
 TEST(EnvironmentSampling, KnowsWhatExceedsTheMean) {
-  const auto importance = [](const Picture& sky, Vec3 normal) {
+  const auto importance = [](const SkyImage& sky, Vec3 normal) {
     return Environment(Rgb::gray(1), sky, 0).importance_by_normal()[normal_bin(normal)];
   };
-  const auto even = picture(64, 32, [](int, int) { return 1.0f; });
-  const auto sun = picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1e6f : 1.0f; });
-  const auto halves = picture(64, 32, [](int x, int) { return x < 32 ? 1.0f : 3.0f; });
+  const auto even = sky_image(64, 32, [](int, int) { return 1.0f; });
+  const auto sun = sky_image(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1e6f : 1.0f; });
+  const auto halves = sky_image(64, 32, [](int x, int) { return x < 32 ? 1.0f : 3.0f; });
   for (const Vec3 normal : {Vec3{0, 1, 0}, Vec3{1, 0, 0}, Vec3{}}) {
     EXPECT_NEAR(importance(even, normal).total, std::numbers::pi, 0.02);
     EXPECT_NEAR(importance(even, normal).excess, 0, 1e-9);
@@ -406,8 +407,8 @@ TEST(EnvironmentSampling, KnowsWhatExceedsTheMean) {
 // Beside the samples of a diffuse surface, of a sky with a bright sun only the sun is sampled, and an even
 // sky as without them.
 TEST(EnvironmentSampling, LeavesToBsdfSamplesWhatTheyFind) {
-  const auto even = picture(64, 32, [](int, int) { return 1.0f; });
-  const auto sun = picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1e5f : 1.0f; });
+  const auto even = sky_image(64, 32, [](int, int) { return 1.0f; });
+  const auto sun = sky_image(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1e5f : 1.0f; });
   const Environment even_sky(Rgb::gray(1), even, 0), sunny(Rgb::gray(1), sun, 0);
   const Vec3 up{0, 1, 0};
   for (int i = 0; i < 1000; ++i) {
@@ -425,11 +426,11 @@ TEST(EnvironmentSampling, LeavesToBsdfSamplesWhatTheyFind) {
   }
 }
 
-TEST(EnvironmentPicture, LiesAsItIsSeenFromInside) {
+TEST(EnvironmentImage, LiesAsItIsSeenFromInside) {
   // From left to right: 1 to 8; the rows times 1 and 10.
   const Environment environment(
       Rgb::gray(1),
-      picture(8, 2, [](int x, int y) { return static_cast<float>((x + 1) * (y == 0 ? 1 : 10)); }), 0);
+      sky_image(8, 2, [](int x, int y) { return static_cast<float>((x + 1) * (y == 0 ? 1 : 10)); }), 0);
   const auto seen = [&](double u, double v) {
     const double longitude = 2 * std::numbers::pi * (u - 0.5), latitude = std::numbers::pi * (v - 0.5);
     return environment
@@ -446,7 +447,7 @@ TEST(EnvironmentPicture, LiesAsItIsSeenFromInside) {
   EXPECT_NEAR(seen(1.0 / 16, 1), 1, 1e-4) << "and not beyond the pole";
 }
 
-TEST(EnvironmentPicture, OfBytesIsDecoded) {
+TEST(EnvironmentImage, OfBytesIsDecoded) {
   const TextureImage image{1, 1, std::vector<std::uint8_t>{255, 188, 0}};
   const Rgb seen = Environment(Rgb::gray(4), std::make_shared<TextureImage>(image), 0).radiance({0, 0, 1});
   EXPECT_FLOAT_EQ(seen.r, 4);

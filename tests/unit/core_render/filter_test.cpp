@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pixel filters and the lens make of pictures that are known in closed form.
+// What pixel filters and the lens make of images that are known in closed form.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace tessera::core {
 namespace {
 
-// A camera before the plane z = 0, one unit of which is one pixel; (0, 0) is the middle of the picture.
+// A camera before the plane z = 0, one unit of which is one pixel; (0, 0) is the middle of the image.
 CameraDescription frontal_camera(int height_px, float distance) {
   return {.position = {0, 0, distance},
           .look_at = {0, 0, 0},

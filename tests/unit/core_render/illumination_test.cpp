@@ -232,7 +232,7 @@ TEST(TexturedLight, LightsLikeTheMeanOfItsTextureWhereItIsFar) {
   }
 }
 
-// Each half of a screen lights as a lamp of its own would: sampling and looking see the same picture on it.
+// Each half of a screen lights as a lamp of its own would: sampling and looking see the same image on it.
 TEST(TexturedLight, ShinesFromWhereItsTextureIsBright) {
   const auto screen = [](Rgb left, Rgb right, auto add_shapes) {
     test::SceneMaker maker = lit_square();
@@ -367,7 +367,7 @@ double irradiance_of(const Environment& environment) {
   return sum * 2 * std::numbers::pi / (kRows * kColumns);
 }
 
-TEST(EnvironmentPicture, LightsAsItsIntegralSays) {
+TEST(EnvironmentImage, LightsAsItsIntegralSays) {
   for (const float rotation : {0.0f, 130.0f}) {
     test::SceneMaker maker = lit_square();
     maker.description().textures = {{.image = surroundings()}};
@@ -377,7 +377,7 @@ TEST(EnvironmentPicture, LightsAsItsIntegralSays) {
   }
 }
 
-TEST(EnvironmentPicture, LightsAsItsIntegralSaysInEveryOrientation) {
+TEST(EnvironmentImage, LightsAsItsIntegralSaysInEveryOrientation) {
   const Transform turned = compose(rotation({1, 2, -1}, 75), scaling({1, 1, -1}));
   test::SceneMaker maker = lit_square();
   maker.description().textures = {{.image = surroundings()}};
@@ -386,12 +386,11 @@ TEST(EnvironmentPicture, LightsAsItsIntegralSaysInEveryOrientation) {
   expect_radiance(maker.build(), reflected(irradiance), 1000);
 }
 
-TEST(EnvironmentPicture, IsTurnedByItsOrientation) {
-  const auto picture = surroundings();
-  const Environment plain(Rgb::gray(1), picture, 40),
-      level(Rgb::gray(1), picture, 0, rotation({0, 1, 0}, 40));
+TEST(EnvironmentImage, IsTurnedByItsOrientation) {
+  const auto image = surroundings();
+  const Environment plain(Rgb::gray(1), image, 40), level(Rgb::gray(1), image, 0, rotation({0, 1, 0}, 40));
   const Transform turn = rotation({1, -2, 3}, 100);
-  const Environment turned(Rgb::gray(1), picture, 40, turn);
+  const Environment turned(Rgb::gray(1), image, 40, turn);
   for (const Vec3 d : {Vec3{1, 0.2f, 0.3f}, {-0.5f, 1, 0.1f}, {0.2f, -0.4f, -1}}) {
     EXPECT_NEAR(level.radiance(d).r, plain.radiance(d).r, 1e-3f);
     EXPECT_NEAR(turned.radiance(turn.direction(d)).r, plain.radiance(d).r, 1e-3f);
@@ -416,7 +415,7 @@ TEST(Environment, CanBeHiddenFromTheCamera) {
 }
 
 // An upright wall sees one side of the environment, and so the rotation.
-TEST(EnvironmentPicture, TurnsCounterClockwiseSeenFromAbove) {
+TEST(EnvironmentImage, TurnsCounterClockwiseSeenFromAbove) {
   TextureImage image{4, 1,
                      std::vector<float>{1, 0, 0, 8, 0, 0, 1, 0, 0, 1, 0, 0}};  // bright between -x and -z
   const auto toward = [&](Vec3 d, float rotation) {

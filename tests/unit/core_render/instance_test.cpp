@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes of two levels: the lights in instances, what Scene::build refuses, and the bytes of their pictures.
+// Scenes of two levels: the lights in instances, what Scene::build refuses, and the bytes of their images.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ SceneDescription room_as_instance(const Transform& transform) {
   return room;
 }
 
-std::vector<std::uint64_t> picture(const SceneDescription& description, Integrator integrator) {
+std::vector<std::uint64_t> integrated_sums(const SceneDescription& description, Integrator integrator) {
   const Scene scene = Scene::build(description, 2).value();
   RenderSettings settings = scene.settings();
   settings.integrator = integrator;
@@ -36,8 +36,8 @@ SceneDescription without_casters(SceneDescription room) {
 
 TEST(InstanceRender, OfWhatStandsWhereItWasModelledHasTheSameBytes) {
   for (const Integrator integrator : {Integrator::kMis, Integrator::kWhitted})
-    EXPECT_EQ(picture(without_casters(room_as_instance({})), integrator),
-              picture(without_casters(test::room()), integrator));
+    EXPECT_EQ(integrated_sums(without_casters(room_as_instance({})), integrator),
+              integrated_sums(without_casters(test::room()), integrator));
 }
 
 TEST(InstanceRender, FindsTheLightsOfEveryInstance) {

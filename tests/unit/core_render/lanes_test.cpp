@@ -238,8 +238,8 @@ TEST_F(EightLanes, OfGlossyTriangles) {
   compare_glossy();
 }
 
-// A picture of each format that pictures are kept in.
-std::vector<std::shared_ptr<const TextureImage>> pictures_of_every_format() {
+// An image of each format that images are kept in.
+std::vector<std::shared_ptr<const TextureImage>> images_of_every_format() {
   std::mt19937 generator(2);
   constexpr int kWidth = 37, kHeight = 21;
   std::vector<std::uint8_t> bytes(3 * kWidth * kHeight);
@@ -258,35 +258,43 @@ std::vector<std::shared_ptr<const TextureImage>> pictures_of_every_format() {
 }
 
 TEST_F(EightLanes, OfTextures) {
-  const auto pictures = pictures_of_every_format();
+  const auto images = images_of_every_format();
   for (int i = 0; i < 2000; ++i) {
     std::array<Texture, kLaneCount> textures;
     std::array<const Texture*, kLaneCount> pointers;
-    FloatLanes u, v;
+    FloatLanes u, v, second_u, second_v;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-      const auto& picture = pictures[generator_() % (i % 2 == 0 ? 3 : pictures.size())];
-      textures[lane] = {picture, random() < 0.5f ? Wrap::kRepeat : Wrap::kClamp, {3, -2}, {0.2f, random()}};
+      const auto& image = images[generator_() % (i % 2 == 0 ? 3 : images.size())];
+      textures[lane] = {image, random() < 0.5f ? Wrap::kRepeat : Wrap::kClamp, {3, -2}, {0.2f, random()}};
       if (random() < 0.3f) textures[lane].wrap_v = Wrap::kMirror;
       if (random() < 0.2f) textures[lane].wrap = Wrap::kMirror;
+      if (random() < 0.3f) textures[lane].filter = TextureFilter::kNearest;
       if (random() < 0.3f) textures[lane].shear = {0.7f, random()};
+      if (i % 3 == 0 && random() < 0.5f) textures[lane].uv_set = UvSet::kSecond;
       pointers[lane] = &textures[lane];
       constexpr float kOdd[] = {std::numeric_limits<float>::quiet_NaN(),
                                 std::numeric_limits<float>::infinity(),
                                 -std::numeric_limits<float>::infinity(), 1e30f};
       u.set(lane, random() < 0.1f ? kOdd[generator_() % 4] : 2 * random() - 0.5f);
       v.set(lane, random() < 0.1f ? 0 : 3 * random() - 1);
+      second_u.set(lane, random());
+      second_v.set(lane, random());
     }
-    const RgbLanes together(Texture::evaluate(pointers, {u.all(), v.all()}));
-    for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-      ASSERT_EQ(together[lane], textures[lane].evaluate({u[lane], v[lane]}));
+    using Uv = Vec2Of<Float8>;
+    const UvSetsOf<Float8> uv(Uv{u.all(), v.all()}, Uv{second_u.all(), second_v.all()});
+    const RgbLanes together(Texture::evaluate(pointers, uv));
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      const UvSets of_lane({u[lane], v[lane]}, {second_u[lane], second_v[lane]});
+      ASSERT_EQ(together[lane], textures[lane].evaluate(of_lane));
+    }
   }
 }
 
 TEST_F(EightLanes, OfSurroundings) {
-  auto pictures = pictures_of_every_format();
-  pictures.push_back(nullptr);
-  for (const auto& picture : pictures) {
-    const Environment environment({0.5f, 1, 2}, picture, 40);
+  auto images = images_of_every_format();
+  images.push_back(nullptr);
+  for (const auto& image : images) {
+    const Environment environment({0.5f, 1, 2}, image, 40);
     for (int i = 0; i < 2000; ++i) {
       FloatLanes u_x, u_y;
       Vec3Lanes directions, normals;
@@ -357,7 +365,8 @@ TEST_F(EightColoredLanes, OfAllMaterialsAndShapes) {
 SceneDescription with_layers() {
   SceneDescription scene = fingerprint_scene();
   for (Material& material : scene.materials) {
-    if (material.name == "cloth") material.model = ConductorMaterial{.roughness = 0.5f, .anisotropy = 0.7f};
+    if (material.name == "cloth")
+      material.model = ConductorMaterial{.roughness = 0.5f, .anisotropy = 0.7f, .tangent = {{0}, 0.2f}};
     if (material.name == "frosted")
       material.model = Principled{.base_diffuse_roughness = 0.4f,
                                   .base_metalness = {0.4f, 0},
@@ -365,8 +374,12 @@ SceneDescription with_layers() {
                                   .transmission_weight = 0.5f,
                                   .coat_weight = 0.5f,
                                   .coat_roughness = {0.5f, 0},
+                                  .coat_roughness_anisotropy = {0.6f, 0},
                                   .fuzz_weight = 0.5f,
-                                  .thin_film_weight = {0.5f, 0}};
+                                  .thin_film_weight = {0.5f, 0},
+                                  .tangent = {{}, {1, 0}},
+                                  .coat_tangent = {{0}, 0.1f},
+                                  .geometry_coat_normal = {0, 0.5f}};
     if (material.name == "glass")
       material.model = Principled{.subsurface_weight = 0.5f,
                                   .transmission_weight = {0.7f, 0},
@@ -377,7 +390,8 @@ SceneDescription with_layers() {
     if (material.name == "gold") material.model = DiffuseTransmission{};
     if (material.name == "mirror") material.model = ThinDielectric{};
     if (material.name == "tiles")
-      material.model = Disney{.metallic = {0.5f, 0}, .anisotropic = 0.5f, .sheen = 0.5f};
+      material.model =
+          Disney{.metallic = {0.5f, 0}, .anisotropic = 0.5f, .sheen = 0.5f, .tangent = {{}, 0.3f}};
     if (material.name == "wall") material.two_sided = false;
     if (material.name == "varnish" || material.name == "wall")
       material.shading_normals = ShadingNormals::kPlain;

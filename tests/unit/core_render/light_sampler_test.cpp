@@ -20,7 +20,7 @@ namespace {
 
 using Among = LightSampler::Among;
 
-// Its upper half shines far brighter than the lower one.
+// Its upper half is far brighter than the lower one.
 Environment uneven_sky(float radiance) {
   constexpr int kWidth = 16, kHeight = 8, kHalf = 3 * kWidth * kHeight / 2;
   std::vector<float> texels(kHalf, 8.0f);
@@ -143,13 +143,13 @@ TEST(LightSampler, WeighsAnUnevenSkyByWhichWayTheSurfaceFaces) {
   const Environment sky = uneven_sky(1);
   const DirectionalLight sun({0, -1, 0}, Rgb::gray(3));
   const LightSampler sampler({sun, sky}, Among::kAll, 1);
-  const auto sought = [&](Vec3 normal) {
+  const auto importance = [&](Vec3 normal) {
     return sky.importance_by_normal()[normal_bin(normal)].uncompensated;
   };
-  ASSERT_GT(sought({0, 1, 0}), 3 * sought({0, -1, 0}));
+  ASSERT_GT(importance({0, 1, 0}), 3 * importance({0, -1, 0}));
   for (const Vec3 normal : {Vec3{0, 1, 0}, normalize({1, 1, 0}), normalize({-2, 1, 3}), Vec3{}}) {
     const double of_sun = normal == Vec3{} ? 3 : 3 * static_cast<double>(normal.y);
-    const double part = sought(normal) / (sought(normal) + of_sun);
+    const double part = importance(normal) / (importance(normal) + of_sun);
     EXPECT_NEAR(sampler.pmf({{}, normal}, 1), 0.1 / 2 + 0.9 * (0.75 * part + 0.25 / 2), 1e-6);
   }
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -172,14 +173,67 @@ TEST(AreaLight, FarSphereIsSampledAccurately) {
   EXPECT_NEAR(1 / static_cast<double>(sample->pdf), 3.14159265 * 0.25e-6, 1e-10);
 }
 
+// The ray passes p_lit, and meets the sphere on the side that it comes from.
+TEST(AreaLight, SphereOnARayIsMetOnItsNearSide) {
+  const AreaLight light = light_of(SphereLight{{1, 2, -3}, 0.5f}, {}, 2, false);
+  const Vec3 p_lit{0.3f, 0.1f, 0.2f};
+  for (const Vec3 forward : {Vec3{0, 0, -1}, {0, 0, 1}}) {
+    for (int i = 0; i < 100; ++i) {
+      const auto u = Sampler(6, i, 0, 0).pad(0);
+      const auto sample = light.sample_along({}, p_lit, forward, {u[0], u[1]});
+      ASSERT_TRUE(sample);
+      EXPECT_GT(dot(sample->wi, forward), 0);
+      const Vec3 to_point = sample->point->position - p_lit;
+      EXPECT_NEAR(length(cross(to_point, sample->wi)), 0, 1e-5) << "it is on the ray";
+      EXPECT_NEAR(length(sample->point->position - Vec3{1, 2, -3}), 0.5, 2e-6);
+      EXPECT_LT(dot(sample->point->geometric_normal, sample->wi), 1e-3f);
+      EXPECT_EQ(sample->radiance, Rgb::gray(2));
+      EXPECT_NEAR(sample->pdf, light.pdf(p_lit, sample->point->position), 1e-3 * double{sample->pdf});
+    }
+  }
+}
+
+TEST(AreaLight, FlatLightOnARayEmitsAgainstIt) {
+  const AreaLight light = light_of(QuadLight{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 0, 1}, 2, false);
+  const auto towards_back = light.sample_along({}, {0.5f, 0.5f, 1}, {0, 0, -1}, {0.2f, 0.7f});
+  ASSERT_TRUE(towards_back) << "the ray passes the point before it meets the front";
+  EXPECT_LT(towards_back->wi.z, 0);
+  const auto before = light.sample_along({}, {0.5f, 0.5f, -1}, {0, 0, -1}, {0.2f, 0.7f});
+  ASSERT_TRUE(before) << "the ray meets the front before it passes the point";
+  EXPECT_LT(before->wi.z, 0);
+  EXPECT_EQ(before->point->position, towards_back->point->position);
+  EXPECT_FALSE(light.sample_along({}, {0.5f, 0.5f, -1}, {0, 0, 1}, {0.2f, 0.7f})) << "it meets the back";
+}
+
 TEST(AreaLight, OneSidedEmitsToItsFront) {
   const AreaLight light = light_of(QuadLight{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 0, 1}, 2, false);
-  SurfacePoint middle;
-  middle.position = {0.5f, 0.5f, 0};
-  EXPECT_EQ(light.emitted({}, middle, {0, 0, 1}), Rgb::gray(2));
-  EXPECT_EQ(light.emitted({}, middle, {0, 0, -1}), Rgb::gray(0));
+  const Vec3 middle{0.5f, 0.5f, 0};
+  EXPECT_EQ(light.emitted({}, middle, {}, {0, 0, 1}), Rgb::gray(2));
+  EXPECT_EQ(light.emitted({}, middle, {}, {0, 0, -1}), Rgb::gray(0));
   EXPECT_FALSE(light.sample({}, {0.5f, 0.5f, -1}, {0.5f, 0.5f}));
   EXPECT_TRUE(light.sample({}, {0.5f, 0.5f, 1}, {0.5f, 0.5f}));
+}
+
+// Radiance and opacity are looked up by different texture coordinates.
+TEST(AreaLight, OfATriangleCanHaveTwoUvSets) {
+  const auto ramp = std::make_shared<const TextureImage>(2, 1, std::vector<float>{1, 1, 1, 0.5f, 0.5f, 0.5f});
+  std::vector<Texture> textures{{.image = ramp, .wrap = Wrap::kClamp}, {.image = ramp, .wrap = Wrap::kClamp}};
+  textures[0].uv_set = UvSet::kSecond;
+  SurfaceEmission emission{{Rgb::gray(8), 0}, 4, true};
+  emission.opacity = {1, 1};
+  const std::array<UvSets, 3> uvs{UvSets({0, 0}, {1, 0}), UvSets({1, 0}, {0, 0}), UvSets({0, 1}, {1, 1})};
+  const Vec3 corners[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const AreaLight light(
+      TriangleLight{corners[0], corners[1], corners[2], std::make_shared<const std::array<UvSets, 3>>(uvs)},
+      {0, 0, 1}, emission);
+  for (const Vec2 u : {Vec2{0.3f, 0.4f}, Vec2{0.7f, 0.2f}, Vec2{0.1f, 0.9f}}) {
+    const auto sample = light.sample(textures, {0.2f, 0.3f, 2}, u);
+    ASSERT_TRUE(sample);
+    const float x = sample->point->position.x;  // the first u is x, the second 1 - x
+    const float opacity = textures[1].evaluate(Vec2{x, 0}).r,
+                radiance = 8 * textures[0].evaluate(Vec2{1 - x, 0}).r;
+    EXPECT_NEAR(sample->radiance.g, opacity * radiance, 1e-4f);
+  }
 }
 
 TEST(AreaLight, HasThePowerOfTheSidesThatEmit) {
@@ -243,6 +297,18 @@ TEST(SpotLight, FallsOffLinearlyInTheAngle) {
   const double inner = std::numbers::pi / 9, outer = 2 * inner;
   EXPECT_NEAR(spot.power(),
               2 * std::numbers::pi * (1 - (std::sin(outer) - std::sin(inner)) / (outer - inner)), 1e-3);
+}
+
+// KHR_lights_punctual.
+TEST(SpotLight, FallsOffWithTheSquareOfARamp) {
+  const SpotLight spot({}, Rgb::gray(1), {{0, 0, 1}, 80, 0.5f, SpotFalloff::kSquared});
+  const auto cosine = [](double degrees) { return std::cos(degrees * std::numbers::pi / 180); };
+  for (const double degrees : {0.0, 19.0, 20.5, 25.0, 33.0, 39.9, 41.0}) {
+    const double ramp = std::clamp((cosine(degrees) - cosine(40)) / (cosine(20) - cosine(40)), 0.0, 1.0);
+    EXPECT_NEAR(spot.falloff(static_cast<float>(1 - cosine(degrees))), ramp * ramp, 1e-5) << degrees;
+  }
+  const double inner = 1 - cosine(20), outer = 1 - cosine(40);
+  EXPECT_NEAR(spot.power(), 2 * std::numbers::pi * (inner + (outer - inner) / 3), 1e-4);
 }
 
 // Of two columns, the left one red and the right one green, the upper texels twice as bright.

@@ -26,17 +26,17 @@ bool shines_on(const Light& light, const LightSampleContext& point, int index) {
 TEST(LightTree, FindsEveryLightThatShinesOnThePoint) {
   const auto lights = test::scattered_lights(300);
   const LightTree tree = LightTree::build(test::tree_items(lights), 1);
-  int shining = 0;
+  int emitting = 0;
   for (int i = 0; i < 100; ++i) {
     const LightSampleContext point = test::light_context(i);
     EXPECT_GT(tree.irradiance(point), 0);
     for (std::uint32_t light = 0; light < lights.size(); ++light) {
       if (!shines_on(lights[light], point, i)) continue;
-      ++shining;
+      ++emitting;
       EXPECT_GT(tree.pmf(point, light), 0) << "point " << i << ", light " << light;
     }
   }
-  EXPECT_GT(shining, 5000);
+  EXPECT_GT(emitting, 5000);
 }
 
 // Of one light alone, the tree's estimate is close to what arrives.
@@ -53,7 +53,7 @@ TEST(LightTree, KnowsWhatALampSends) {
   const LightBounds panel =
       AreaLight(QuadLight{{0, 5, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}}, {0, -1, 0}, emission).bounds();
   EXPECT_NEAR(irradiance(panel, {{0, 0, 0}, {0, 1, 0}}), 50 * 0.01 / 25, 5e-4);
-  EXPECT_EQ(irradiance(panel, {{0, 6, 0}, {0, -1, 0}}), 0) << "it shines to its front only";
+  EXPECT_EQ(irradiance(panel, {{0, 6, 0}, {0, -1, 0}}), 0) << "it emits to its front only";
   EXPECT_EQ(irradiance(panel, {{9, 6, 0}, {}}), 0);
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kLean = 0.4f;
 
-// A picture of one normal.
+// An image of one normal.
 Texture normal_texture(float x, float y) {
   const float z = std::sqrt(1 - x * x - y * y);
   const TextureImage image{1, 1, std::vector<float>{x / 2 + 0.5f, y / 2 + 0.5f, z / 2 + 0.5f}};
@@ -77,14 +77,14 @@ TEST(NormalMap, FollowsMirroredAndTurnedCoordinates) {
   expect_near(bent(turned, 0, kLean), kTowardsX, 2e-3f);
 }
 
-TEST(NormalMap, FollowsPicturesMirroredByTheirScale) {
+TEST(NormalMap, FollowsImagesMirroredByTheirScale) {
   Texture texture = normal_texture(kLean, 0);
   texture.scale = {-3, 1};
   expect_near(shaded_normal(quad(), texture, kFromAbove), {-kTowardsX.x, 0, kTowardsX.z}, 2e-3f);
 }
 
 // A sheared texture does what other coordinates of the surface do.
-TEST(NormalMap, FollowsPicturesTurnedByTheirShear) {
+TEST(NormalMap, FollowsImagesTurnedByTheirShear) {
   Texture texture = normal_texture(kLean, 0);
   texture.scale = {0, 0}, texture.shear = {-1, 1};  // the image's u is -v, and its v is u
   expect_near(shaded_normal(quad(), texture, kFromAbove), {0, -kLean, kTowardsY.z}, 2e-3f);

@@ -62,7 +62,7 @@ TEST(RenderPlan, ConnectsNaivePathsOnlyToLightsThatNoRayHits) {
   EXPECT_EQ(prepare(scene, settings_with(scene, Integrator::kNee), 1).light_sampler().size(), lights);
 }
 
-TEST(RenderPlan, IsMadeAnewWhenTheSceneShowsAnotherFrame) {
+TEST(RenderPlan, IsRebuiltForAnotherFrame) {
   Scene scene = Scene::build(room_seen_in_passing(), 1).value();
   RenderPlans plans(scene);
   const RenderSettings settings = settings_with(scene, Integrator::kNee);

@@ -16,9 +16,9 @@ class Render : public testing::Test {
  protected:
   Render() : scene_(Scene::build(test::room(), 2).value()) {}
 
-  PixelRect picture() const { return {0, 0, scene_.settings().width_px, scene_.settings().height_px}; }
+  PixelRect image() const { return {0, 0, scene_.settings().width_px, scene_.settings().height_px}; }
   FilmTile whole(const RenderSettings& settings, int threads) const {
-    return render(prepare(scene_, settings, threads), picture(), {0, settings.spp}, threads);
+    return render(prepare(scene_, settings, threads), image(), {0, settings.spp}, threads);
   }
 
   Scene scene_;
@@ -67,7 +67,7 @@ TEST_F(Render, AskingForMoreSamplesKeepsTheFirst) {
             render(prepare(scene_, scene_.settings(), 1), {3, 5, 20, 9}, {2, 9}, 1).sums);
 }
 
-TEST_F(Render, SeedsGiveIndependentPictures) {
+TEST_F(Render, SeedsGiveIndependentImages) {
   RenderSettings other = scene_.settings();
   other.seed = 1;
   EXPECT_NE(whole(other, 2).sums, whole(scene_.settings(), 2).sums);

@@ -187,7 +187,7 @@ TEST(Scene, RefusesWhatCannotBeRendered) {
 }
 
 // What a window may be, and what is said of one that may not.
-TEST(RenderSettings, TakeAnyWindowWithinThePicture) {
+TEST(RenderSettings, TakeAnyWindowWithinTheImage) {
   const RenderSettings from_scene{.width_px = 640, .height_px = 480};
   EXPECT_EQ(from_scene.window(), (PixelRect{0, 0, 640, 480}));
   for (const PixelRect& window : {PixelRect{0, 0, 640, 480}, {639, 479, 640, 480}, {10, 20, 30, 40}}) {
@@ -215,7 +215,7 @@ TEST(RenderSettings, KeepTheScenesWindowUnlessThereIsAnother) {
   const RenderSettings from_scene{.width_px = 640, .height_px = 480, .crop = PixelRect{600, 0, 640, 40}};
   EXPECT_EQ(resolve_settings(from_scene, {})->window(), (PixelRect{600, 0, 640, 40}));
   EXPECT_EQ(resolve_settings(from_scene, {.crop = PixelRect{0, 0, 8, 8}})->window(), (PixelRect{0, 0, 8, 8}));
-  EXPECT_FALSE(resolve_settings(from_scene, {.width_px = 320})) << "it does not lie in the smaller picture";
+  EXPECT_FALSE(resolve_settings(from_scene, {.width_px = 320})) << "it does not lie in the smaller image";
 }
 
 }  // namespace

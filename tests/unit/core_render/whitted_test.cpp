@@ -95,12 +95,12 @@ TEST(Whitted, MirrorsShowWhatIsBeforeThem) {
   EXPECT_NEAR(whitted(maker.build()), 7, 1e-5);
 }
 
-// Between two mirrors that also shine: Le (1 + R + R^2 + ...), as far as the depth allows.
+// Between two mirrors that also emit: Le (1 + R + R^2 + ...), as far as the depth allows.
 TEST(Whitted, FollowsReflectionsToTheDepthLimit) {
   test::SceneMaker maker(looking_ahead(0.5f));
-  const auto shining_mirror = maker.material(Mirror{{Rgb::gray(0.8f)}}, Rgb::gray(1));
-  maker.add(upright(-1, shining_mirror));
-  maker.add(upright(1, shining_mirror));
+  const auto emissive_mirror = maker.material(Mirror{{Rgb::gray(0.8f)}}, Rgb::gray(1));
+  maker.add(upright(-1, emissive_mirror));
+  maker.add(upright(1, emissive_mirror));
   const Scene scene = maker.build();
   const auto sum = [](int reflections) { return (1 - std::pow(0.8, reflections + 1)) / 0.2; };
   for (const int depth : {1, 2, 5, 20}) EXPECT_NEAR(whitted(scene, depth), sum(depth), 1e-4) << depth;
