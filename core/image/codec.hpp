@@ -44,7 +44,8 @@ struct DecodeOptions {
   // Whether the result has 4 channels if the file has alpha. If not, it always has 3.
   bool keep_alpha = false;
   // Of an OpenEXR file, the layer to read ("Normal"), or a channel of it in all three colours ("Depth.Z").
-  // Empty: the image itself. Other formats have no layers, which is an error.
+  // Empty: the image itself; without colours, the first layer, with a warning. Other formats have no layers,
+  // which is an error.
   std::string_view layer{};
 };
 
@@ -60,7 +61,7 @@ struct Codec {
 };
 
 extern const Codec kPngCodec, kJpegCodec, kHdrCodec, kExrCodec, kPfmCodec, kTiffCodec, kWebpCodec, kBmpCodec,
-    kTgaCodec;
+    kQoiCodec, kTgaCodec;
 
 inline constexpr std::string_view kEndsTooEarly = "the file ends too early";
 

@@ -8,6 +8,7 @@
 #include <new>
 #include <string_view>
 
+#include "core/image/color_profile.hpp"
 #include "core/image/exr.hpp"
 #include "core/image/limits.hpp"
 
@@ -18,7 +19,7 @@ using namespace std::string_view_literals;
 
 // TGA files have no signature, and so come last.
 constexpr std::array kCodecs{&kPngCodec,  &kJpegCodec, &kHdrCodec, &kExrCodec, &kPfmCodec,
-                             &kTiffCodec, &kWebpCodec, &kBmpCodec, &kTgaCodec};
+                             &kTiffCodec, &kWebpCodec, &kBmpCodec, &kQoiCodec, &kTgaCodec};
 
 struct Signature {
   std::size_t offset;
@@ -26,7 +27,7 @@ struct Signature {
 };
 
 // Formats that are recognised but not supported.
-constexpr std::array<Signature, 15> kUnsupported{{{0, "GIF8"sv, "a GIF image"},
+constexpr std::array<Signature, 14> kUnsupported{{{0, "GIF8"sv, "a GIF image"},
                                                   {0, "DDS "sv, "a DDS image"},
                                                   {0, "8BPS"sv, "a Photoshop image"},
                                                   {0, "gimp xcf"sv, "a GIMP image"},
@@ -38,7 +39,6 @@ constexpr std::array<Signature, 15> kUnsupported{{{0, "GIF8"sv, "a GIF image"},
                                                   {4, "ftypavif"sv, "an AVIF image"},
                                                   {4, "ftypheic"sv, "a HEIF image"},
                                                   {4, "ftypmif1"sv, "a HEIF image"},
-                                                  {0, "qoif"sv, "a QOI image"},
                                                   {0, "<svg"sv, "an SVG drawing"},
                                                   {0, "%PDF"sv, "a PDF document"}}};
 
@@ -54,7 +54,7 @@ tl::unexpected<Error> unknown_format(std::string_view bytes) {
                          (bytes[2] == '\n' || bytes[2] == ' ' || bytes[2] == '\r');
   if (is_netpbm) return unsupported_image("a Netpbm image", "save it as PNG");
   return fail(ErrorCode::kInvalidArgument,
-              "is not an image of a known format (PNG, JPEG, HDR, EXR, PFM, TIFF, WebP, BMP or TGA)");
+              "is not an image of a known format (PNG, JPEG, HDR, EXR, PFM, TIFF, WebP, BMP, QOI or TGA)");
 }
 
 const Codec* find_codec(std::string_view bytes) {
@@ -69,10 +69,10 @@ Result<ImageSize> size_with(const Codec& codec, std::string_view bytes) {
 }
 
 Status check_size(ImageSize size, std::int64_t max_pixels) {
-  if (std::max(size.width, size.height) > kMaxPictureSidePx)
+  if (std::max(size.width, size.height) > kMaxImageSidePx)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("has {} x {} pixels, more than the {} that a side may have; scale it down",
-                            size.width, size.height, kMaxPictureSidePx));
+                            size.width, size.height, kMaxImageSidePx));
   if (size.pixels() > static_cast<std::uint64_t>(max_pixels))
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("has {} x {} = {} pixels, more than the {} that an image may have; scale it down",
@@ -115,7 +115,12 @@ Result<DecodedImage> decode_pixels(std::string_view bytes, const DecodeOptions& 
     const auto size = size_with(*codec, bytes);
     if (!size) return fail(size.error());
     if (const Status status = check_size(*size, options.max_pixels); !status) return fail(status.error());
-    return codec->decode(bytes, *size, options);
+    auto decoded = codec->decode(bytes, *size, options);
+    if (!decoded) return decoded;
+    if (const auto profile = foreign_color_profile(bytes))
+      decoded->warnings.push_back(fmt::format(
+          "has the colour profile '{}', which is not used: its values count as sRGB or linear", *profile));
+    return decoded;
   });
 }
 

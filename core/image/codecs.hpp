@@ -21,7 +21,7 @@ Result<ImageSize> image_size(std::string_view bytes);
 // channel of the file. Other formats have the image alone.
 Result<std::vector<std::string>> image_layers(std::string_view bytes);
 
-// Decodes PNG, JPEG, Radiance HDR, OpenEXR, PFM, TIFF, WebP, BMP and TGA; docs/scene-format.md lists the
+// Decodes PNG, JPEG, Radiance HDR, OpenEXR, PFM, TIFF, WebP, BMP, QOI and TGA; docs/scene-format.md lists the
 // supported variants. Memory use is proportional to the size in the header, whatever else is in the file.
 // Error messages complete a sentence that begins with the file's name, as in "is a GIF image, which is not
 // supported; save it as PNG".

@@ -39,7 +39,7 @@ Image linear_image(ImageSize size, const std::vector<T>& values) {
 
 Result<Image> decode_image(std::string_view bytes, const std::string& layer) {
   try {
-    const auto decoded = decode_pixels(bytes, {.max_pixels = kMaxPicturePixels, .layer = layer});
+    const auto decoded = decode_pixels(bytes, {.max_pixels = kMaxImagePixels, .layer = layer});
     if (!decoded) return fail(decoded.error());
     return std::visit([&](const auto& values) { return linear_image(decoded->size, values); },
                       decoded->values);

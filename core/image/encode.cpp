@@ -124,7 +124,7 @@ Status check_encodable(ImageFormat format, int width, int height) {
   if (width < 1 || height < 1) {
     return fail(ErrorCode::kInvalidArgument, fmt::format("an image of {}x{} pixels is empty", width, height));
   }
-  const std::int64_t limit = format == ImageFormat::kHdr ? kMaxHdrPixels : kMaxPicturePixels;
+  const std::int64_t limit = format == ImageFormat::kHdr ? kMaxHdrPixels : kMaxImagePixels;
   if (static_cast<std::int64_t>(width) * height > limit) {
     return fail(
         ErrorCode::kInvalidArgument,

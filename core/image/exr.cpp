@@ -21,6 +21,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/base/suggestion.hpp"
 #include "core/image/codec.hpp"
 #include "core/image/exr_header.hpp"
 #include "core/image/exr_layers.hpp"
@@ -161,6 +162,19 @@ Result<DecodedImage> read_luminance_chroma(StringReader& stream, ImageSize size)
   return DecodedImage{.size = size, .channels = 3, .values = std::move(values), .warnings = {}};
 }
 
+// Of a file without colours.
+Result<DecodedImage> read_first_layer(Imf::InputFile& file, ImageSize size) {
+  const Imf::ChannelList& channels = file.header().channels();
+  const std::vector<std::string> layers = layers_of(channels);
+  const auto names = layers.empty() ? std::nullopt : layer_channels(channels, layers.front());
+  if (!names) return unsupported_image("an OpenEXR image without channels", "it needs one at least");
+  auto image = read_channels(file, size, *names, false);
+  if (image)
+    image->warnings.push_back(
+        fmt::format("has no colours; its first layer is read, {}", in_quotes(layers.front())));
+  return image;
+}
+
 Result<DecodedImage> read_pixels(StringReader& stream, ImageSize size, const DecodeOptions& options) {
   const bool keep_alpha = options.keep_alpha;
   {
@@ -172,8 +186,7 @@ Result<DecodedImage> read_pixels(StringReader& stream, ImageSize size, const Dec
       return no_such_layer(channels, options.layer);
     }
     const auto names = color_channels(channels);
-    if (!names)
-      return unsupported_image("an OpenEXR image without colours", "it needs the channels R, G and B, or Y");
+    if (!names) return read_first_layer(file, size);
     if (names->colors[0] != "Y" || !has_chroma(channels))
       return read_channels(file, size, *names, keep_alpha);
   }

@@ -86,7 +86,7 @@ void note_claim(std::string_view name, std::string_view value, Claims& claims) {
 bool is_plausible_block(const Claims& claims, std::size_t file_bytes) {
   constexpr std::int64_t kLines = 256, kAlwaysAllowed = std::int64_t{1} << 28, kMaxBytesOfOne = 1032;
   const std::int64_t most = kAlwaysAllowed + kMaxBytesOfOne * static_cast<std::int64_t>(file_bytes);
-  if (std::max(claims.tile_width, claims.tile_height) > kMaxPictureSidePx) return false;
+  if (std::max(claims.tile_width, claims.tile_height) > kMaxImageSidePx) return false;
   const std::int64_t pixels =
       std::max(claims.width * std::min(claims.height, kLines), claims.tile_width * claims.tile_height);
   return pixels <= most / (4 * std::max<std::int64_t>(claims.channels, 1));

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -112,16 +113,72 @@ int write_durably(const FileDescriptor& file, std::string_view bytes) {
   return ::fsync(file.get()) == 0 ? 0 : errno;
 }
 
+// ---- Temporary files: .NAME.PID-N.tmp beside NAME ----
+//
+// Their writers hold a lock on them, which ends with the process, also on other machines that share the
+// folder.
+
+constexpr std::string_view kTemporarySuffix = ".tmp";
+
+std::string temporary_prefix(const std::string& target) {
+  constexpr std::size_t kMaxNameBytes = 200;
+  const std::string name = std::filesystem::path(target).filename();
+  return fmt::format(".{}.", name.substr(0, kMaxNameBytes));
+}
+
+bool is_number(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+bool is_temporary(std::string_view name, std::string_view prefix) {
+  if (!name.starts_with(prefix) || !name.ends_with(kTemporarySuffix)) return false;
+  if (name.size() < prefix.size() + kTemporarySuffix.size()) return false;
+  name.remove_prefix(prefix.size());
+  name.remove_suffix(kTemporarySuffix.size());
+  const std::size_t dash = name.find('-');
+  return dash != std::string_view::npos && is_number(name.substr(0, dash)) &&
+         is_number(name.substr(dash + 1));
+}
+
+// Says to others that this process writes the file. False if one of them is just removing it. On file systems
+// without locks nobody removes any.
+bool lock_temporary(const FileDescriptor& file) {
+  return ::flock(file.get(), LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+}
+
+// Whether the path still names the open file.
+bool is_named(const FileDescriptor& file, const std::string& path) {
+  struct stat open_file {};
+  struct stat named {};
+  return ::fstat(file.get(), &open_file) == 0 && ::lstat(path.c_str(), &named) == 0 &&
+         open_file.st_dev == named.st_dev && open_file.st_ino == named.st_ino;
+}
+
+// Removes the temporary files of the target that killed writers have left.
+void remove_abandoned_beside(const std::string& target) {
+  const std::string prefix = temporary_prefix(target);
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(folder_of(target), error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string path = entry->path();
+    if (!is_temporary(entry->path().filename().native(), prefix)) continue;
+    const FileDescriptor file(::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+    if (!file.valid() || ::flock(file.get(), LOCK_EX | LOCK_NB) != 0) continue;
+    // With the lock, a file that still has this name has no writer who will rename it.
+    if (is_named(file, path)) ::unlink(path.c_str());
+  }
+}
+
 // Calls `create` with names beside `target` until one is unused, and returns that name. Returns an empty
 // string and sets errno if none can be created. Other processes may be writing the same target, or have
 // left files behind.
 template <typename Create>
 std::string new_name_beside(const std::string& target, const Create& create) {
   constexpr int kAttempts = 100;
-  const std::string name = std::filesystem::path(target).filename();
+  const std::string prefix = temporary_prefix(target);
   for (int attempt = 0;; ++attempt) {
     std::string path =
-        fmt::format("{}/.{}.{}-{}.tmp", folder_of(target), name.substr(0, 200), ::getpid(), attempt);
+        fmt::format("{}/{}{}-{}{}", folder_of(target), prefix, ::getpid(), attempt, kTemporarySuffix);
     if (create(path)) return path;
     if (errno != EEXIST || attempt == kAttempts) return "";
   }
@@ -142,31 +199,45 @@ std::string name_beside(const FileDescriptor& file, const std::string& target) {
   });
 }
 
-// Writes a new file beside `target` and stores its name in `temporary`, if it has one. Returns 0 or errno.
-int write_beside(const std::string& target, std::string_view bytes, std::string& temporary) {
-  FileDescriptor file = create_unnamed(target);
-  if (file.valid()) {
-    if (const int error = write_durably(file, bytes)) return error;
-    temporary = name_beside(file, target);
-    if (temporary.empty()) return errno;
-    return file.close() ? 0 : errno;
-  }
-  temporary = new_name_beside(target, [&](const std::string& path) {
+struct Temporary {
+  FileDescriptor file{-1};  // open, and so locked, until it is renamed
+  std::string path{};       // empty: it has no name
+};
+
+// A new file with a name. Sets errno if there can be none.
+Temporary create_named(const std::string& target) {
+  Temporary made;
+  made.path = new_name_beside(target, [&](const std::string& path) {
     // O_EXCL never follows an existing link and never shares a file between two writers.
-    file = FileDescriptor(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-    return file.valid();
+    made.file = FileDescriptor(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (!made.file.valid()) return false;
+    if (lock_temporary(made.file) && is_named(made.file, path)) return true;
+    errno = EEXIST;  // another writer has taken it for abandoned before it was locked
+    return false;
   });
-  if (temporary.empty()) return errno;
-  if (const int error = write_durably(file, bytes)) return error;
-  return file.close() ? 0 : errno;
+  return made;
+}
+
+// Writes a new file beside `target`. Returns 0 or errno.
+int write_beside(const std::string& target, std::string_view bytes, Temporary& made) {
+  made.file = create_unnamed(target);
+  if (made.file.valid()) {
+    if (const int error = write_durably(made.file, bytes)) return error;
+    lock_temporary(made.file);
+    made.path = name_beside(made.file, target);
+    return made.path.empty() ? errno : 0;
+  }
+  made = create_named(target);
+  return made.path.empty() ? errno : write_durably(made.file, bytes);
 }
 
 Status replace_file(const std::string& target, std::string_view bytes, const std::string& path) {
-  std::string temporary;
-  int error = write_beside(target, bytes, temporary);
-  if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
+  remove_abandoned_beside(target);
+  Temporary made;
+  int error = write_beside(target, bytes, made);
+  if (error == 0 && ::rename(made.path.c_str(), target.c_str()) != 0) error = errno;
   if (error != 0) {
-    if (!temporary.empty()) ::unlink(temporary.c_str());
+    if (!made.path.empty()) ::unlink(made.path.c_str());
     return cannot_write(error, path);
   }
   // Makes the rename durable. On systems that cannot flush folders the file is still complete.

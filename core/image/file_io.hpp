@@ -14,8 +14,9 @@ namespace tessera::core {
 Result<std::string> read_file(const std::string& path);
 
 // Writes a temporary file beside the target, flushes it to disk and renames it. `path` holds either its
-// previous content or all of `bytes`; an error leaves nothing behind. Links are followed. A target that is
-// not a regular file (a pipe, /dev/stdout) is written directly.
+// previous content or all of `bytes`; an error leaves nothing behind. A temporary file that a killed process
+// has left (.NAME.PID-N.tmp) is removed when the same file is written again. Links are followed. A target
+// that is not a regular file (a pipe, /dev/stdout) is written directly.
 Status write_file_atomically(const std::string& path, std::string_view bytes);
 
 // Checks whether a file could be written at `path`, without touching it. Call it before long work.

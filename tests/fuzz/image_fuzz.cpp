@@ -21,7 +21,7 @@ void decode_as_texture(std::string_view bytes, core::ColorSpace color_space,
   const auto image = core::decode_texture_image(bytes, color_space, channel, &warnings);
   for (const std::string& warning : warnings) expect_message(warning);
   if (!expect_answer(image)) return;
-  expect(image->width() > 0 && image->height() > 0, "a picture has pixels");
+  expect(image->width() > 0 && image->height() > 0, "an image has pixels");
   for (const core::Vec2 uv : {core::Vec2{0, 0}, core::Vec2{0.5f, 1}, core::Vec2{-7.3f, 1e30f}})
     for (const auto wrap : {core::Wrap::kRepeat, core::Wrap::kClamp})
       expect(core::is_finite(image->bilinear(uv, wrap, wrap)), "light is finite");
@@ -29,7 +29,7 @@ void decode_as_texture(std::string_view bytes, core::ColorSpace color_space,
   expect(mean.r <= largest.r * 1.001f, "no mean is above the largest");
 }
 
-void decode_as_picture(std::string_view bytes, const std::string& layer = {}) {
+void decode_as_image(std::string_view bytes, const std::string& layer = {}) {
   const auto image = core::decode_image(bytes, layer);
   if (!expect_answer(image)) return;
   const auto width = static_cast<std::size_t>(image->width), height = static_cast<std::size_t>(image->height);
@@ -45,11 +45,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::decode_as_texture(bytes, core::ColorSpace::kSrgb);
   fuzz::decode_as_texture(bytes, core::ColorSpace::kLinear);
   fuzz::decode_as_texture(bytes, core::ColorSpace::kLinear, core::TextureChannel::kAlpha);
-  fuzz::decode_as_picture(bytes);
-  for (const char* const layer : {"Normal", "view.combined", "A"}) fuzz::decode_as_picture(bytes, layer);
+  fuzz::decode_as_image(bytes);
+  for (const char* const layer : {"Normal", "view.combined", "A"}) fuzz::decode_as_image(bytes, layer);
   fuzz::expect_answer(core::exr_texts(bytes));
   if (const auto layers = core::image_layers(bytes); fuzz::expect_answer(layers))
     for (std::size_t i = 0; i < std::min<std::size_t>(layers->size(), 3); ++i)
-      fuzz::decode_as_picture(bytes, layers->at(i));
+      fuzz::decode_as_image(bytes, layers->at(i));
   return 0;
 }

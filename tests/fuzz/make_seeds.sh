@@ -3,7 +3,7 @@
 # Writes the seeds that the corpora began with, as files named seed_*: small valid inputs of each kind, and some that
 # are nearly so. All of them are made here. Run it when a format has changed; minimise.sh then adds what fuzzing finds.
 # Usage: tests/fuzz/make_seeds.sh [FOLDER]     (by default tests/fuzz/corpus)
-# TESSERA names the executable that renders the pictures; by default that of the release build.
+# TESSERA names the executable that renders the images; by default that of the release build.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 corpus=$(realpath -m "${1:-tests/fuzz/corpus}")
@@ -76,6 +76,7 @@ printf 'v 0 0 0\nv 3 0 0\nv 3 3 0\nv 1.5 1 0\nv 0 3 0\nf 1 2 3 4 5\nvn 0 0 0\nvn
 printf 'v 0 0 0 1 0 0\nv 1 0 0 nan 0 0\nv 0 1 0 1 255 0 0\nv nan 0 0\nvn nan 0 0\nvt -inf\nf 1/0/1 2/1/9 3// 0/1\nf 1/1/0 2// 3/9\nf 1 2\ns -1\nusemtl\nmtllib\ncstype b\ncall x\nodd\nf 1 2 4\n\x1a\0\0' | seed obj odd_lines
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl \303\244\nf 1 2 3\n' | iconv -f UTF-8 -t UTF-16 | seed obj utf16
 printf 'newmtl gold\nNs 0\nKa 1 1 1\nKd 0.9 0.6 0.2\nKs 0.5 0.5 0.5\nKe 0 0 0\nNi 1.45\nd 0.5\nillum 3\nPr 0.6\nPm 1\nPs 0.1\nPc 0\nPcr 0.03\naniso 0\nmap_Bump -bm 0.5 n.png\nmap_d a.png\nmap_Ke -uvset 1 e.png\nmap_Pr r.png\nNEWMTL b\nillum 4\nNi 1\nTf 2 1 1\nkd 1.1 -1 0.5 7\nmap_Kd -clamp t.png\nmap_Ks .\nNs\nNi -1\n' | seed mtl programs
+printf 'newmtl coat\nKd 0.5\nKs 1\nNi 9\nTf 0.5 0 0\nPc 0.5\nPcr 0.1\nPs 0 0.2 0.1\naniso 0.5\nanisor 0.25\nmap_Pm -imfchan b p.png\nmap_Pc p.png\nmap_Pcr p.png\nmap_Ps p.png\n' | seed mtl coat
 printf 'newmtl a b # c\nTr 0.5\nPr 0.3\nPm 1\nnorm -bm 2 n.png\nmap_Ks s.png\nKd spectral x.rfl 1\nKa xyz 1 1 1\n' | seed mtl other
 scene() { { cat; part x.obj; cat "$work/x.obj"; part x.mtl; cat "$work/x.mtl"; part x.png; cat "$work/x.png"; part x.hdr
   cat "$work/x.hdr"; } | seed scene "$1"; }
@@ -304,7 +305,7 @@ Shape "curve" "string basis" "bspline" "integer degree" 2 "point3 P" [0 0 0 1 0 
 Shape "curve" "string type" "ribbon" "point3 P" [0 0 0 1 0 0 1 1 0 1 1 1] "normal N" [0 0 1 1 0 0]
 EOF
 
-# ---- Pictures ----
+# ---- Images ----
 for ending in png exr hdr pfm; do seed image $ending <"$work/x.$ending"; done
 gm convert "$work/x.png" -depth 16 "$work/deep.png" && seed image png16 <"$work/deep.png"
 gm convert "$work/x.png" -colorspace Gray "$work/gray.png" && seed image png_gray <"$work/gray.png"
@@ -319,6 +320,7 @@ for ending in tga bmp tif webp; do
   gm convert "$work/x.png" "$work/x.$ending" && seed image "$ending" <"$work/x.$ending"
 done
 printf '\0\0\12\0\0\0\0\0\0\0\0\0\4\0\2\0\40\10\202abcd\0efgh\203ijkl' | seed image tga_packed
+printf 'qoif\0\0\0\3\0\0\0\2\4\0\376\200@ k\301\25\377\1\2\3\4\0\0\0\0\0\0\0\1' | seed image qoi
 gm convert "$work/deep.png" -compress LZW "$work/deep.tif" && seed image tif16_lzw <"$work/deep.tif"
 gm convert "$work/x.png" -colorspace CMYK "$work/cmyk.jpg" && seed image jpg_cmyk <"$work/cmyk.jpg"
 gm convert "$work/x.png" -colorspace CMYK "$work/cmyk.tif" && seed image tif_cmyk <"$work/cmyk.tif"
@@ -399,7 +401,7 @@ message SubmitResultRequest <<<"worker_id: \"1\" job_id: \"a\" items { item { $(
   part restart; part sync; greeting 2 2 'held { id: 1099511627778 job_id: "a" items { rect { x1: 64 y1: 4 }
   sample_begin: 1 sample_end: 3 } }'; } | seed farm restart
 { part pause; printf a; part resume; printf b; part extend; message ExtendJobRequest <<<'job_id: "c" spp: 9'; part sync
-  greeting 3 5; part cancel; printf b; part delete; printf a; part picture; printf c; } | seed farm changes
+  greeting 3 5; part cancel; printf b; part delete; printf a; part image; printf c; } | seed farm changes
 { part submit; message SubmitJobRequest <<<'request_id: "once" priority: 3 overrides { width_px: 70 spp: 3 }
   bundle { scene_path: "s" }'; part sync; greeting 1 1 'draining: true'; part wait
   printf '%100s' ''; part 'blob lost'; printf '{}'; } | seed farm submit

@@ -11,7 +11,7 @@
 
 #include "core/image/decode.hpp"
 #include "core/image/encode.hpp"
-#include "tests/support/hostile_pictures.hpp"
+#include "tests/support/hostile_images.hpp"
 #include "tests/unit/core_image/image_files.hpp"
 #include "tests/unit/core_image/test_image.hpp"
 
@@ -64,6 +64,42 @@ std::string tga_header(int kind, int width, int bits, int descriptor = 0, int pa
   header[16] = static_cast<char>(bits);
   header[17] = static_cast<char>(descriptor);
   return header;
+}
+
+// A pixel of red, green and blue, one near it, two of a run, one by its index, and one with alpha.
+const std::string kQoiPixels =
+    "\xfe\x80\x40\x20"
+    "\x6b"
+    "\xc1"
+    "\x15"
+    "\xff\x01\x02\x03\x04"s;
+
+std::string qoi(std::uint8_t width, std::uint8_t height, const std::string& pixels) {
+  return "qoif\0\0\0"s + static_cast<char>(width) + "\0\0\0"s + static_cast<char>(height) + "\4\0"s + pixels +
+         "\0\0\0\0\0\0\0\1"s;
+}
+
+TEST(QoiCodec, ReadsAllKindsOfPixels) {
+  const std::string file = qoi(3, 2, kQoiPixels);
+  EXPECT_THAT(decode_as<Bytes>(file), ElementsAre(0x80, 0x40, 0x20, 0x80, 0x40, 0x21, 0x80, 0x40, 0x21, 0x80,
+                                                  0x40, 0x21, 0x80, 0x40, 0x20, 1, 2, 3));
+  const auto rgba = decode_as<Bytes>(file, kWithAlpha, 4);
+  EXPECT_EQ(rgba.at(3), 255);
+  EXPECT_EQ(rgba.at(23), 4);
+  EXPECT_TRUE(decode_pixels(file, kWithAlpha)->warnings.empty());
+  std::string linear = file;
+  linear[13] = 1;
+  EXPECT_THAT(decode_pixels(linear, kWithAlpha)->warnings, ElementsAre(HasSubstr("linear")));
+}
+
+TEST(QoiCodec, RefusesWhatIsCutOffOrImplausible) {
+  const std::string file = qoi(3, 2, kQoiPixels);
+  EXPECT_THAT(error_of(file.substr(0, file.size() - 1)), HasSubstr("the file ends too early"));
+  EXPECT_THAT(error_of(file.substr(0, 9)), HasSubstr("the file ends too early"));
+  EXPECT_THAT(error_of(qoi(255, 255, "")), HasSubstr("not plausible"));
+  std::string odd = file;
+  odd[12] = 5;
+  EXPECT_THAT(error_of(odd), HasSubstr("its channels or its colour space are unknown"));
 }
 
 TEST(TgaCodec, ReadsAllKinds) {
@@ -199,7 +235,7 @@ TEST(Codecs, NamesFormatsThatAreNotSupported) {
   EXPECT_EQ(error_of("8BPS\0\1"s), "is a Photoshop image, which is not supported; save it as PNG");
   EXPECT_EQ(error_of(""), "is an empty file, not an image");
   EXPECT_EQ(error_of("Dear reader,"),
-            "is not an image of a known format (PNG, JPEG, HDR, EXR, PFM, TIFF, WebP, BMP or TGA)");
+            "is not an image of a known format (PNG, JPEG, HDR, EXR, PFM, TIFF, WebP, BMP, QOI or TGA)");
   std::string rle = test::bmp_file(2, 2, test::smooth_codes(2, 2, 3));
   rle[30] = 1;
   EXPECT_EQ(error_of(rle),

@@ -17,7 +17,7 @@ Comparison compare_or_die(const Image& a, const Image& b) {
   return result.value_or(Comparison{});
 }
 
-TEST(Compare, IdenticalPictures) {
+TEST(Compare, IdenticalImages) {
   const Image image = random_image(7, 5, 1);
   const Comparison result = compare_or_die(image, image);
   EXPECT_TRUE(result.identical);
@@ -28,7 +28,7 @@ TEST(Compare, IdenticalPictures) {
 }
 
 // Worked by hand: 2x2 pixels are 12 values; two of them differ, by 0.5 (b = 1) and by -0.25 (b = 0.5).
-TEST(Compare, NumbersOfASmallPicture) {
+TEST(Compare, NumbersOfASmallImage) {
   Image a(2, 2), b(2, 2);
   a.at(1, 0) = {0, 1.5f, 0};
   b.at(1, 0) = {0, 1, 0};
@@ -45,7 +45,7 @@ TEST(Compare, NumbersOfASmallPicture) {
   EXPECT_DOUBLE_EQ(result.reference_mean_square, (1 + 0.25) / 12);
 }
 
-TEST(Compare, RelativeErrorIsRelativeToTheSecondPicture) {
+TEST(Compare, RelativeErrorIsRelativeToTheSecondImage) {
   Image dim(1, 1), bright(1, 1);
   dim.at(0, 0) = Rgb::gray(0);
   bright.at(0, 0) = Rgb::gray(1);
@@ -104,7 +104,7 @@ TEST(Compare, OfARegionCountsItsPixelsAlone) {
   const Comparison result = compare(a, b, {2, 1, 3, 2}).value();
   EXPECT_FALSE(result.identical);
   EXPECT_EQ(result.largest_difference, 0.5);
-  EXPECT_EQ(result.largest_x, 3) << "in the whole picture";
+  EXPECT_EQ(result.largest_x, 3) << "in the whole image";
   EXPECT_EQ(result.largest_y, 2);
   EXPECT_DOUBLE_EQ(result.mse, 0.25 / 18);
   EXPECT_DOUBLE_EQ(result.relative_mse, 0.25 / 1.01 / 18);
@@ -112,14 +112,14 @@ TEST(Compare, OfARegionCountsItsPixelsAlone) {
   EXPECT_EQ(compare(a, b, {0, 0, 5, 4})->mse, compare(a, b)->mse);
 }
 
-TEST(Compare, OfARegionTakesAPictureOfNothingElse) {
+TEST(Compare, OfARegionTakesAnImageOfNothingElse) {
   Image whole(5, 4), part(3, 2);
   whole.at(3, 2) = part.at(1, 1) = {1, 2, 3};
   EXPECT_TRUE(compare(whole, part, {2, 1, 3, 2})->identical);
   part.at(2, 0) = {0, 0.5f, 0};
   const Comparison result = compare(whole, part, {2, 1, 3, 2}).value();
   EXPECT_FALSE(result.identical);
-  EXPECT_EQ(result.largest_x, 4) << "in the whole picture";
+  EXPECT_EQ(result.largest_x, 4) << "in the whole image";
   EXPECT_EQ(result.largest_y, 1);
   for (const ImageRegion region : {ImageRegion{1, 1, 3, 2}, {2, 2, 3, 2}})
     EXPECT_FALSE(compare(whole, part, region)->identical);
@@ -129,7 +129,7 @@ TEST(Compare, OfARegionTakesAPictureOfNothingElse) {
   EXPECT_FALSE(compare(part, whole, {0, 0, 3, 2})) << "the part is the second";
 }
 
-TEST(Compare, RegionsLieWithinThePictures) {
+TEST(Compare, RegionsLieWithinTheImages) {
   const Image image(5, 4);
   for (const ImageRegion region : {ImageRegion{0, 0, 0, 1},
                                    {0, 0, 1, 0},

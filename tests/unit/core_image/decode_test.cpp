@@ -19,6 +19,7 @@
 #include "core/image/codecs.hpp"
 #include "core/image/encode.hpp"
 #include "core/image/file_io.hpp"
+#include "core/image/limits.hpp"
 #include "tests/unit/core_image/test_image.hpp"
 
 namespace tessera::core {
@@ -82,7 +83,7 @@ TEST(DecodeImage, NoiseIsAnError) {
   }
 }
 
-TEST(DecodeImage, ASmallFileThatClaimsAHugePictureIsAnError) {
+TEST(DecodeImage, ASmallFileThatClaimsAHugeImageIsAnError) {
   const std::string header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n";
   EXPECT_FALSE(decode_image(header + "-Y 10000 +X 10000\n" + std::string(100, '\1')));
   EXPECT_THAT(decode_image("PF\n60000 60000\n-1.0\n").error().message,
@@ -241,11 +242,15 @@ TEST(DecodeExr, LuminanceAndChromaBecomeColours) {
   EXPECT_NEAR(image->at(16, 16).b, 0.125f, 0.01f);
 }
 
-TEST_F(ForeignExr, WithoutColourIsAnError) {
-  const Result<Image> image = read_image(write({"Z", "R"}));
-  ASSERT_FALSE(image);
-  EXPECT_THAT(image.error().message,
-              HasSubstr("without colours, which is not supported; it needs the channels R, G and B, or Y"));
+TEST_F(ForeignExr, WithoutColourIsReadByItsFirstLayer) {
+  const std::string path = write({"Z", "R"});
+  const Result<Image> image = read_image(path);
+  ASSERT_TRUE(image) << image.error().message;
+  EXPECT_EQ(image->at(4, 3), read_image(path, "R")->at(4, 3));
+  EXPECT_EQ(image->at(4, 3).r, image->at(4, 3).b);
+  const auto decoded = decode_pixels(*read_file(path), {.max_pixels = kMaxImagePixels});
+  ASSERT_TRUE(decoded);
+  EXPECT_THAT(decoded->warnings, testing::ElementsAre("has no colours; its first layer is read, 'R'"));
 }
 
 TEST(ReadImage, ErrorsNameTheFile) {
@@ -255,7 +260,7 @@ TEST(ReadImage, ErrorsNameTheFile) {
   ASSERT_TRUE(write_file_atomically(path, "text"));
   EXPECT_EQ(
       read_image(path).error().message,
-      "'" + path + "' is not an image of a known format (PNG, JPEG, HDR, EXR, PFM, TIFF, WebP, BMP or TGA)");
+      "'" + path + "' is not an image of a known format (PNG, JPEG, HDR, EXR, PFM, TIFF, WebP, BMP, QOI or TGA)");
 }
 
 }  // namespace

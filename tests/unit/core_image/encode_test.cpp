@@ -109,7 +109,7 @@ INSTANTIATE_TEST_SUITE_P(All, EveryFormat,
                                          ImageFormat::kPfm),
                          [](const auto& format) { return std::string(image_format_name(format.param)); });
 
-TEST_P(EveryFormat, SamePictureSameBytes) {
+TEST_P(EveryFormat, SameImageSameBytes) {
   EXPECT_EQ(encode_or_die(random_image(50, 50, 6), GetParam()),
             encode_or_die(random_image(50, 50, 6), GetParam()));
 }
@@ -201,7 +201,7 @@ TEST(EncodeExr, SaysWhereTheRegionOfAnImageIs) {
   EXPECT_EQ(bits_of(*decoded), bits_of(image));
 }
 
-TEST_P(EveryFormat, RefusesAnEmptyPicture) {
+TEST_P(EveryFormat, RefusesAnEmptyImage) {
   const Result<std::string> bytes = encode_image(Image(0, 0), GetParam());
   ASSERT_FALSE(bytes);
   EXPECT_THAT(bytes.error().message, HasSubstr("0x0"));

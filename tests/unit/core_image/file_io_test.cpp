@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -11,6 +12,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -142,6 +144,52 @@ TEST_F(FileIo, AProcessThatIsKilledWhileItWritesLeavesNothing) {
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGXFSZ);
   EXPECT_EQ(read_file(path("x")), "old");
+  EXPECT_THAT(names(), testing::ElementsAre("x"));
+}
+
+TEST_F(FileIo, RemovesWhatKilledWritersOfTheSameFileHaveLeft) {
+  const auto leave = [&](const std::string& name) { std::ofstream(path(name)) << "half"; };
+  for (const char* const left : {".x.1-0.tmp", ".x.999999999-12.tmp"}) leave(left);
+  const std::vector<std::string> others{".y.1-0.tmp", ".x.png.1-0.tmp", ".x.notes.tmp",
+                                        ".x..tmp",    ".x.1-.tmp",      ".x.tmp",
+                                        "x.1-0.tmp",  ".x.1-0.tmp~",    ".x.-1.tmp"};
+  for (const std::string& name : others) leave(name);
+  fs::create_symlink(path(".y.1-0.tmp"), path(".x.2-0.tmp"));
+  ASSERT_TRUE(write_file_atomically(path("x"), "new"));
+  std::vector<std::string> expected = others;
+  expected.insert(expected.end(), {"x", ".x.2-0.tmp"});
+  EXPECT_THAT(names(), testing::UnorderedElementsAreArray(expected));
+}
+
+// As another process, which may be on another machine, locks what it writes.
+TEST_F(FileIo, LeavesWhatAnotherProcessIsWriting) {
+  const std::string theirs = path(".x.1-0.tmp");
+  const int file = ::open(theirs.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  ASSERT_EQ(::flock(file, LOCK_EX), 0);
+  ASSERT_TRUE(write_file_atomically(path("x"), "new"));
+  EXPECT_TRUE(fs::exists(theirs));
+  ::close(file);
+  ASSERT_TRUE(write_file_atomically(path("x"), "newer"));
+  EXPECT_FALSE(fs::exists(theirs)) << "it has ended";
+}
+
+TEST_F(FileIo, ManyWritersOfOneFileDoNotDisturbEachOther) {
+  std::vector<pid_t> children;
+  for (int i = 0; i < 4; ++i) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      bool all = true;
+      for (int n = 0; n < 200; ++n) all = write_file_atomically(path("x"), std::string(1000, 'x')) && all;
+      ::_exit(all ? 0 : 1);
+    }
+    children.push_back(child);
+  }
+  for (const pid_t child : children) {
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  }
+  EXPECT_EQ(read_file(path("x")), std::string(1000, 'x'));
   EXPECT_THAT(names(), testing::ElementsAre("x"));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures for the tests of this folder.
+// Images for the tests of this folder.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace tessera::core {
 
-// Values between 0 and a few thousand, many of them small, as in rendered pictures; the same for the same
+// Values between 0 and a few thousand, many of them small, as in rendered images; the same for the same
 // seed.
 Image random_image(int width, int height, std::uint64_t seed);
 
