@@ -128,12 +128,6 @@ std::vector<float> KeyframeSampler::turned(const std::vector<float>& before, con
   return {q.x, q.y, q.z, q.w};
 }
 
-Value sampler_of(const Value& animation, const Value& index) {
-  const Value samplers = animation["samplers"];
-  if (index.whole() >= samplers.size()) index.refuse("there is no such sampler");
-  return samplers.at(static_cast<std::size_t>(index.whole()));
-}
-
 // More than any mesh has morph targets; many nodes can refer to one accessor of millions of numbers.
 constexpr std::size_t kMaxWeights = 4096;
 
@@ -164,27 +158,29 @@ void NodeAnimation::Channel::apply(float seconds, NodePose& pose) const {
 
 NodeAnimation::NodeAnimation(const Document& document, Accessors& accessors, const Value& animation) {
   const Value channels = animation["channels"];
-  for (std::size_t i = 0; i < channels.size(); ++i) {
-    const Value channel = channels.at(i), target = channel["target"], node = target["node"];
-    const std::string path = target.text("path");
-    if (!node.exists() || !channel["sampler"].exists()) {
-      document.warn(target, "animation target", "an animation of something else than nodes is ignored");
-      continue;
-    }
-    if (path != "weights" && path != "translation" && path != "rotation" && path != "scale") {
-      document.warn(target, "animation path", fmt::format("the animation of {} is ignored", in_quotes(path)));
-      continue;
-    }
-    document.element("nodes", node);
-    const Value sampler_value = sampler_of(animation, channel["sampler"]);
-    const bool is_weights = path == "weights";
-    KeyframeSampler sampler(sampler_value, accessors, is_weights ? 1 : path == "rotation" ? 4 : 3);
-    if (is_weights) sampler.split_weights();
-    if (sampler.empty())
-      document.warn(sampler_value, "animation without keyframes", "has no keyframes; it is ignored");
-    else
-      channels_.push_back({static_cast<std::size_t>(node.whole()), path, std::move(sampler)});
-  }
+  for (std::size_t i = 0; i < channels.size(); ++i)
+    document.try_to(channels.at(i), "animation channel", "it is ignored",
+                    [&] { add_channel(document, accessors, animation, channels.at(i)); });
+}
+
+void NodeAnimation::add_channel(const Document& document, Accessors& accessors, const Value& animation,
+                                const Value& channel) {
+  const Value target = channel["target"], node = target["node"];
+  const std::string path = target.text("path");
+  if (!node.exists() || !channel["sampler"].exists())
+    return document.warn(target, "animation target", "an animation of something else than nodes is ignored");
+  if (path != "weights" && path != "translation" && path != "rotation" && path != "scale")
+    return document.warn(target, "animation path",
+                         fmt::format("the animation of {} is ignored", in_quotes(path)));
+  document.element("nodes", node);
+  const Value sampler_value = Document::element(animation["samplers"], channel["sampler"]);
+  const bool is_weights = path == "weights";
+  KeyframeSampler sampler(sampler_value, accessors, is_weights ? 1 : path == "rotation" ? 4 : 3);
+  if (is_weights) sampler.split_weights();
+  if (sampler.empty())
+    document.warn(sampler_value, "animation without keyframes", "has no keyframes; it is ignored");
+  else
+    channels_.push_back({static_cast<std::size_t>(node.whole()), path, std::move(sampler)});
 }
 
 NodeAnimation::~NodeAnimation() = default;
@@ -199,9 +195,10 @@ float length_of(const Document& document, const Value& animation) {
   float seconds = 0;
   for (std::size_t i = 0; i < samplers.size(); ++i) {
     const Value input = samplers.at(i)["input"];
-    if (!input.exists() || input.whole() >= accessors.size()) continue;
-    const Value last = accessors.at(static_cast<std::size_t>(input.whole()))["max"];
-    if (last.size() > 0) seconds = std::max(seconds, last.at(0).number());
+    document.try_to(input, "length of an animation", "its length counts as 0", [&] {
+      const Value last = Document::element(accessors, input)["max"];
+      if (last.size() > 0) seconds = std::max(seconds, last.at(0).number());
+    });
   }
   return seconds;
 }

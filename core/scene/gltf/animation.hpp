@@ -33,6 +33,9 @@ class NodeAnimation {
  private:
   struct Channel;
 
+  void add_channel(const Document& document, Accessors& accessors, const Value& animation,
+                   const Value& channel);
+
   std::vector<Channel> channels_;
 };
 

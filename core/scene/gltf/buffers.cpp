@@ -13,8 +13,10 @@ namespace tessera::core::gltf {
 
 BufferView Buffers::view(const Value& index) {
   const Value view = document_.element("bufferViews", index);
-  const Value meshopt = view.extension("EXT_meshopt_compression");
-  return meshopt.exists() ? decompressed(view, meshopt) : plain_view(view);
+  for (const char* meshopt : {"EXT_meshopt_compression", "KHR_meshopt_compression"})
+    if (const Value extension = view.extension(meshopt); extension.exists())
+      return decompressed(view, extension);
+  return plain_view(view);
 }
 
 BufferView Buffers::plain_view(const Value& view) {
@@ -45,8 +47,11 @@ std::string_view Buffers::buffer(const Value& index) {
     if (known == buffers_.end()) known = buffers_.emplace(index.whole(), read_uri(buffer)).first;
     bytes = known->second;
   }
-  if (length > bytes.size())
-    buffer.refuse(fmt::format("is truncated: it has {} bytes, and byteLength says {}", bytes.size(), length));
+  if (length > bytes.size() && truncated_.insert(index.whole()).second)
+    document_.warn(buffer, "truncated buffer",
+                   fmt::format("is truncated: it has {} bytes, and byteLength says {}; what lies beyond is "
+                               "left out",
+                               bytes.size(), length));
   return bytes.substr(0, static_cast<std::size_t>(length));
 }
 

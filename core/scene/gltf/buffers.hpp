@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -32,8 +33,9 @@ class Buffers {
   std::string_view part(const Value& place);
 
   const Document& document_;
-  std::map<std::uint64_t, std::string> buffers_;           // those not in the file itself
-  std::map<std::string, std::string> decompressed_views_;  // by path: EXT_meshopt_compression
+  std::map<std::uint64_t, std::string> buffers_;  // those not in the file itself
+  std::set<std::uint64_t> truncated_;
+  std::map<std::string, std::string> decompressed_views_;  // by path: those of meshopt.hpp
   std::uint64_t decompressed_ = 0;                         // bytes of them
 };
 

@@ -15,7 +15,7 @@
 namespace tessera::core::gltf {
 namespace {
 
-constexpr std::array<std::string_view, 23> kKnownExtensions{
+constexpr std::array<std::string_view, 24> kKnownExtensions{
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -36,6 +36,7 @@ constexpr std::array<std::string_view, 23> kKnownExtensions{
     "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_node_visibility",
     "KHR_texture_transform",
     "KHR_xmp_json_ld",  // data about the file, which no image depends on
@@ -103,19 +104,35 @@ void Document::check_extensions() const {
       const std::string name = text_of(&list, i);
       if (is_known_extension(name)) continue;
       if (key == "extensionsRequired")
-        Value(&list, key)
+        Value(&list, key, this)
             .refuse(fmt::format("needs the extension {}, which is not supported", in_quotes(name)));
-      warn(Value(&list, key), name,
+      warn(Value(&list, key, this), name,
            fmt::format("the optional extension {} is not supported; it is ignored", in_quotes(name)));
     }
   }
 }
 
-Value Document::element(std::string_view list, const Value& index) const {
-  const Value all = root()[list];
+Value Document::element(const Value& list, const Value& index) {
   const std::uint64_t i = index.whole();
-  if (i >= all.size()) index.refuse(fmt::format("there is no {}[{}]; the file has {}", list, i, all.size()));
-  return all.at(static_cast<std::size_t>(i));
+  if (i >= list.size())
+    index.refuse(fmt::format("there is no {}[{}]; the file has {}", list.path(), i, list.size()));
+  return list.at(static_cast<std::size_t>(i));
+}
+
+Value Document::element_or_none(const Value& list, const Value& index, std::string_view instead) const {
+  Value found;
+  try_to(index, list.path(), instead, [&] { found = element(list, index); });
+  return found;
+}
+
+void Document::tell_refusal(const Refusal& refusal, const Value& place, std::string_view kind,
+                            std::string_view instead) const {
+  const ErrorCode code = refusal.error.code;
+  if (code != ErrorCode::kInvalidArgument && code != ErrorCode::kNotFound) throw;
+  std::string_view why = refusal.error.message;
+  const std::string own_place = place.path() + ": ";
+  if (why.starts_with(own_place)) why.remove_prefix(own_place.size());
+  warn(place, kind, fmt::format("{}: {}", instead, why));
 }
 
 void Document::warn(const Value& place, std::string_view kind, std::string_view text) const {

@@ -20,9 +20,16 @@ class Document {
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
 
-  Value root() const { return {&json_, ""}; }
-  // An element of one of the root's lists, by an index as written in the file: refused if there is none.
-  Value element(std::string_view list, const Value& index) const;
+  Value root() const { return {&json_, "", this}; }
+  // An element of a list, or of one of the root's, by an index as written in the file: refused if there is
+  // none.
+  static Value element(const Value& list, const Value& index);
+  Value element(std::string_view list, const Value& index) const { return element(root()[list], index); }
+  // The same; if there is none, absent after a warning that says what is done instead.
+  Value element_or_none(const Value& list, const Value& index, std::string_view instead) const;
+  Value element_or_none(std::string_view list, const Value& index, std::string_view instead) const {
+    return element_or_none(root()[list], index, instead);
+  }
   // The BIN chunk of a .glb file.
   std::optional<std::string_view> binary_chunk() const { return binary_; }
 
@@ -30,6 +37,19 @@ class Document {
   static bool knows_extension(std::string_view name);
   // Tells once, with a count, what is approximated or ignored at a place.
   void warn(const Value& place, std::string_view kind, std::string_view text) const;
+  // Calls read(). What it refuses because of a mistake in the file, or a file that is missing, is told with
+  // what is done instead: "PLACE: INSTEAD: WHY". Other Refusals, such as those beyond a limit, are passed on.
+  // Returns whether it was read.
+  template <typename Read>
+  bool try_to(const Value& place, std::string_view kind, std::string_view instead, const Read& read) const {
+    try {
+      read();
+      return true;
+    } catch (const Refusal& refusal) {
+      tell_refusal(refusal, place, kind, instead);
+      return false;
+    }
+  }
   SceneBuilder& builder() const { return builder_; }
   // The line of a place; 0 in a .glb file, which has no lines.
   int line_of(const Value& place) const { return is_binary_ ? 0 : place.line(); }
@@ -40,6 +60,9 @@ class Document {
   std::string_view split();
   void check_version() const;
   void check_extensions() const;
+  // Within the handler of the refusal.
+  void tell_refusal(const Refusal& refusal, const Value& place, std::string_view kind,
+                    std::string_view instead) const;
 
   SceneBuilder& builder_;
   std::string bytes_;

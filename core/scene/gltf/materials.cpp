@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/gltf/materials.hpp"
+#include "core/scene/gltf/ignored_attributes.hpp"
 
 #include <fmt/format.h>
 
@@ -15,18 +16,6 @@ namespace {
 
 bool is_constant_white(const ColorParameter& color) {
   return color.texture < 0 && color.value == Rgb::gray(1);
-}
-
-// All textureInfo objects of a material that an image depends on, the base colour's first.
-std::vector<Value> texture_infos(const Value& material) {
-  std::vector<Value> places{material["pbrMetallicRoughness"], material};
-  for (const std::string& name : material["extensions"].keys()) places.push_back(material.extension(name));
-  std::vector<Value> infos{places[0]["baseColorTexture"]};
-  for (const Value& place : places)
-    for (const std::string& key : place.keys())
-      if (key.ends_with("Texture") && key != "occlusionTexture") infos.push_back(place[key]);
-  std::erase_if(infos, [](const Value& info) { return !info["index"].exists(); });
-  return infos;
 }
 
 enum class AlphaMode { kOpaque, kMask, kBlend };
@@ -49,13 +38,6 @@ BaseKeys base_keys(const Value& material) {
   return {material["pbrMetallicRoughness"], "baseColorFactor", "baseColorTexture"};
 }
 
-// The index whose reflectance at normal incidence this is (Fresnel's equations).
-float ior_of_reflectance(float f0) {
-  const float root = std::sqrt(std::max(f0, 0.0f));
-  const float ior = (1 + root) / (1 - root);
-  return ior > 1 && ior < kMaxIor ? ior : ior <= 1 ? 1.0f : kMaxIor;
-}
-
 // Parameters of OpenPBR.
 struct Anisotropic {
   float ratio = 0, roughness = 0;
@@ -68,46 +50,58 @@ Anisotropic anisotropic(float alpha, float strength) {
   return {1 - ratio, std::min(std::sqrt(along / std::sqrt(2 / (1 + ratio * ratio))), 1.0f)};
 }
 
+// Of an angle in radians, in [-1/2, 1/2].
+float turns_of(float radians) {
+  const double turns = double{radians} / (2 * double{kPi});
+  return static_cast<float>(turns - std::round(turns));
+}
+
 }  // namespace
 
-bool is_transparent(const Value& material) {
-  return alpha_mode(material) != AlphaMode::kOpaque;
-}
-
-bool is_unlit(const Value& material) {
-  return material.extension("KHR_materials_unlit").exists();
-}
-
 Materials::Use Materials::use(const Value& index) {
-  const Value material = index.exists() ? document_.element("materials", index) : Value();
+  const Value material =
+      index.exists() ? document_.element_or_none("materials", index, "the default material replaces it")
+                     : Value();
   const auto known = converted_.find(material.path());
   if (known != converted_.end()) return known->second;
   return converted_.emplace(material.path(), convert(material)).first->second;
 }
 
-void Materials::find_uv_sets(const Value& material, Use& use) {
-  const auto infos = texture_infos(material);
-  if (infos.empty()) return;
-  use.uv_set = Textures::uv_set(infos.front());
-  for (const Value& info : infos)
-    if (Textures::uv_set(info) != use.uv_set) use.other_uvs.push_back(info);
+std::uint32_t Materials::tinted(const Use& use, const VertexTint& tint) {
+  if (tint == VertexTint()) return use.material;
+  const auto& [color, alpha] = tint;
+  const std::string key = fmt::format("{} {} {} {} {}", use.value.path(), color.r, color.g, color.b, alpha);
+  const auto known = tinted_.find(key);
+  if (known != tinted_.end()) return known->second;
+  Material changed = document_.builder().material(use.material);
+  textures_.continue_material(use.coordinates);
+  changed.opacity = opacity(use.value, alpha);
+  changed.emission.value = changed.emission.value * color;
+  return tinted_.emplace(key, document_.builder().add_material(std::move(changed))).first->second;
 }
 
 Materials::Use Materials::convert(const Value& material) {
   Use use;
-  find_uv_sets(material, use);
+  const BaseKeys base = base_keys(material);
+  textures_.begin_material(base.place[base.texture]);
   const std::string mode = material.text("alphaMode");
   if (!mode.empty() && mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
     document_.warn(material["alphaMode"], "alpha mode",
                    fmt::format("there is no alpha mode {}; the material is opaque", in_quotes(mode)));
   const Value transmission = material.extension("KHR_materials_diffuse_transmission");
-  if (is_unlit(material)) {
+  use.value = material;
+  use.coordinate_names = coordinate_names(material);
+  if (alpha_mode(material) == AlphaMode::kMask) use.max_tints = kMaxMaskTints;
+  use.transparent = alpha_mode(material) != AlphaMode::kOpaque;
+  use.unlit = material.extension("KHR_materials_unlit").exists();
+  if (use.unlit) {
     use.material = add(material, unlit(material));
   } else if (transmission.number_or("diffuseTransmissionFactor", 0) > 0) {
     use.material = with_diffuse_transmission(material, transmission);
   } else {
     use.material = add(material, surface(material));
   }
+  use.coordinates = textures_.coordinates();
   return use;
 }
 
@@ -143,8 +137,7 @@ Material Materials::surface(const Value& material) {
   Material surface;
   surface.model = principled(material);
   surface.opacity = opacity(material);
-  surface.normal_map.texture = textures_.data(material["normalTexture"], TextureChannel::kColor);
-  surface.normal_map.strength = material["normalTexture"].number_or("scale", 1);
+  surface.normal_map = normal_map(material["normalTexture"]);
   add_emission(material, surface);
   if (material["occlusionTexture"].exists())
     document_.warn(material["occlusionTexture"], "occlusion",
@@ -182,12 +175,12 @@ ColorParameter Materials::base_color(const Value& material) {
   return {clamped(place, color), textures_.color(place[texture_key])};
 }
 
-ScalarParameter Materials::opacity(const Value& material) {
+ScalarParameter Materials::opacity(const Value& material, float vertex_alpha) {
   const AlphaMode mode = alpha_mode(material);
   if (mode == AlphaMode::kOpaque) return 1;
   const auto [place, factor_key, texture_key] = base_keys(material);
   const auto factor = place.numbers(factor_key, 4);
-  const float alpha = factor.empty() ? 1 : within(place, factor_key, factor[3], 0, 1);
+  const float alpha = vertex_alpha * (factor.empty() ? 1 : within(place, factor_key, factor[3], 0, 1));
   const Value info = place[texture_key];
   if (mode == AlphaMode::kBlend) return {alpha, textures_.data(info, TextureChannel::kAlpha)};
   const float cutoff = material.number_or("alphaCutoff", 0.5f);
@@ -214,7 +207,7 @@ Principled Materials::principled(const Value& material) {
   add_specular(material.extension("KHR_materials_specular"), model);
   add_transmission(material, model);
   add_anisotropy(material.extension("KHR_materials_anisotropy"), model);
-  add_coat(material.extension("KHR_materials_clearcoat"), model);
+  add_coat(material, model);
   add_sheen(material.extension("KHR_materials_sheen"), model);
   add_iridescence(material.extension("KHR_materials_iridescence"), model);
   return model;
@@ -233,7 +226,7 @@ void Materials::add_specular_glossiness(const Value& extension, Principled& mode
   const Value info = extension["specularGlossinessTexture"];
   const Rgb specular = clamped(extension, extension.color_or("specularFactor", Rgb::gray(1)));
   const float strongest = max_component(specular);
-  model.specular_ior = ior_of_reflectance(strongest);
+  model.specular_ior = index_of_reflectance(strongest, kMaxIor);
   model.specular_color = {strongest > 0 ? specular / strongest : Rgb{}, textures_.color(info)};
   const float gloss = within(extension, "glossinessFactor", extension.number_or("glossinessFactor", 1), 0, 1);
   const int roughness = textures_.converted(info, TextureChannel::kAlpha, fmt::format("gloss {}", gloss),
@@ -258,6 +251,9 @@ void Materials::add_transmission(const Value& material, Principled& model) {
   if (!(extension.number_or("transmissionFactor", 0) > 0)) return;
   model.transmission_weight = share(extension, "transmissionFactor", 0,
                                     textures_.data(extension["transmissionTexture"], TextureChannel::kRed));
+  if (volume["thicknessTexture"].exists())
+    document_.warn(volume["thicknessTexture"], "thickness texture",
+                   "the thickness of a volume is that of its geometry; the texture is ignored");
   model.geometry_thin_walled = !(volume.number_or("thicknessFactor", 0) > 0);
   model.transmission_color = model.base_color;
   const float distance = volume.number_or("attenuationDistance", 0);
@@ -281,13 +277,9 @@ void Materials::add_anisotropy(const Value& extension, Principled& model) {
   const float alpha = std::max(model.specular_roughness.value * model.specular_roughness.value, 1e-3f);
   const Value info = extension["anisotropyTexture"];
   if (model.specular_roughness.texture >= 0) {
-    document_.warn(
-        extension, "anisotropy texture",
-        "anisotropy is computed for the roughness factor; its texture's direction and strength are "
-        "ignored");
+    document_.warn(extension, "anisotropy strength",
+                   "anisotropy is computed for the roughness factor; its texture's strength is ignored");
   } else if (info.exists()) {
-    document_.warn(info, "anisotropy direction",
-                   "the direction of anisotropy is that of growing u everywhere");
     // Blue is a factor of the strength.
     const std::string name = fmt::format("anisotropy {} {}", strength, alpha);
     const auto at = [&](float blue) { return anisotropic(alpha, strength * blue); };
@@ -302,12 +294,14 @@ void Materials::add_anisotropy(const Value& extension, Principled& model) {
     model.specular_roughness_anisotropy = all.ratio;
     model.specular_roughness.value = all.roughness;
   }
-  if (extension.number_or("anisotropyRotation", 0) != 0)
-    document_.warn(extension, "anisotropy rotation",
-                   "the direction of anisotropy is that of growing u; its rotation is ignored");
+  // Both count from growing u counter-clockwise, towards growing v as v points upwards here.
+  model.tangent.map.texture = textures_.data(info, TextureChannel::kColor);
+  model.tangent.rotation = turns_of(extension.number_or("anisotropyRotation", 0));
 }
 
-void Materials::add_coat(const Value& extension, Principled& model) {
+// A coat without a normal map of its own is flat, whatever that of the base.
+void Materials::add_coat(const Value& material, Principled& model) {
+  const Value extension = material.extension("KHR_materials_clearcoat");
   if (!(extension.number_or("clearcoatFactor", 0) > 0)) return;
   model.coat_weight = share(extension, "clearcoatFactor", 0,
                             textures_.data(extension["clearcoatTexture"], TextureChannel::kRed));
@@ -316,8 +310,14 @@ void Materials::add_coat(const Value& extension, Principled& model) {
             textures_.data(extension["clearcoatRoughnessTexture"], TextureChannel::kGreen));
   model.coat_ior = 1.5f;
   model.coat_darkening = 0;
-  if (extension["clearcoatNormalTexture"].exists())
-    document_.warn(extension, "coat normal", "the coat has the normal map of the base; its own is ignored");
+  model.geometry_coat_normal = normal_map(extension["clearcoatNormalTexture"]);
+  if (model.geometry_coat_normal.texture >= 0) return;
+  model.geometry_coat_normal = normal_map(material["normalTexture"]);
+  model.geometry_coat_normal.strength = model.geometry_coat_normal.texture < 0 ? 1.0f : 0.0f;
+}
+
+NormalMap Materials::normal_map(const Value& info) {
+  return {textures_.data(info, TextureChannel::kColor), info.number_or("scale", 1)};
 }
 
 void Materials::add_sheen(const Value& extension, Principled& model) {

@@ -12,29 +12,31 @@
 #include "core/materials/material.hpp"
 #include "core/scene/gltf/document.hpp"
 #include "core/scene/gltf/textures.hpp"
+#include "core/scene/gltf/vertex_tints.hpp"
 
 namespace tessera::core::gltf {
-
-// Whether its alphaMode is not OPAQUE.
-bool is_transparent(const Value& material);
-// Whether it has KHR_materials_unlit.
-bool is_unlit(const Value& material);
 
 class Materials {
  public:
   Materials(const Document& document, Textures& textures) : document_(document), textures_(textures) {}
 
   struct Use {
-    std::uint32_t material = 0;      // of the scene
-    std::uint32_t uv_set = 0;        // the texture coordinates of its textures
-    std::vector<Value> other_uvs{};  // textureInfos with another set
+    std::uint32_t material = 0;  // of the scene
+    Value value{};               // of the file; absent for the default one
+    Textures::Coordinates coordinates{};
+    std::vector<std::string> coordinate_names{};  // of the attributes that its textures use
+    bool transparent = false;                     // its alphaMode is not OPAQUE
+    bool unlit = false;                           // it has KHR_materials_unlit
+    std::size_t max_tints = kMaxVertexTints;
   };
-  // The material of an index in the file, or the default one if it is absent; each is converted once.
+  // The material of an index in the file, or the default one if it is absent or, after a warning, there is no
+  // such material; each is converted once.
   Use use(const Value& index);
+  // The same material, whose alpha and emission are multiplied.
+  std::uint32_t tinted(const Use& use, const VertexTint& tint);
 
  private:
   Use convert(const Value& material);
-  static void find_uv_sets(const Value& material, Use& use);
   Material surface(const Value& material);
   Principled principled(const Value& material);
   std::uint32_t with_diffuse_transmission(const Value& material, const Value& extension);
@@ -43,11 +45,13 @@ class Materials {
   void add_specular(const Value& extension, Principled& model);
   void add_transmission(const Value& material, Principled& model);
   void add_anisotropy(const Value& extension, Principled& model);
-  void add_coat(const Value& extension, Principled& model);
+  void add_coat(const Value& material, Principled& model);
   void add_sheen(const Value& extension, Principled& model);
   void add_iridescence(const Value& extension, Principled& model);
+  NormalMap normal_map(const Value& info);
   Material unlit(const Value& material);
-  ScalarParameter opacity(const Value& material);
+  // `vertex_alpha` multiplies alpha.
+  ScalarParameter opacity(const Value& material, float vertex_alpha = 1);
   ColorParameter base_color(const Value& material);
   void add_emission(const Value& material, Material& surface);
   std::uint32_t add(const Value& material, Material surface);
@@ -61,7 +65,8 @@ class Materials {
 
   const Document& document_;
   Textures& textures_;
-  std::map<std::string, Use> converted_;  // by path
+  std::map<std::string, Use> converted_;         // by path
+  std::map<std::string, std::uint32_t> tinted_;  // by path and tint
 };
 
 }  // namespace tessera::core::gltf

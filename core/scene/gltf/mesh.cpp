@@ -86,35 +86,12 @@ void add(Transform& sum, const Transform& map) {
   sum.x_axis += map.x_axis, sum.y_axis += map.y_axis, sum.z_axis += map.z_axis, sum.origin += map.origin;
 }
 
-// Linear blend skinning (glTF 2.0 specification, section 3.7.3). A vertex without weights stays.
-void apply_skin(MeshStep& mesh, const std::vector<Influences>& influences, const JointMaps& maps,
-                const std::vector<std::uint32_t>& used, const Value& primitive) {
-  for (std::size_t k = 0; k < used.size(); ++k) {
-    Transform sum{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-    float total = 0;
-    for (const auto& [joints, weights] : influences)
-      for (std::size_t c = 0; c < 4; ++c) {
-        const float weight = weights.number(used[k], c);
-        if (!(weight > 0)) continue;
-        const std::uint32_t joint = joints.whole(used[k], c);
-        if (joint >= maps.size())
-          primitive.refuse(fmt::format("a vertex names joint {}; the skin has {}", joint, maps.size()));
-        add(sum, weighted(maps[joint], weight));
-        total += weight;
-      }
-    if (!(total > 0)) continue;
-    const Transform map = weighted(sum, 1 / total);
-    mesh.positions[k] = map.point(mesh.positions[k]);
-    if (!mesh.normals.empty())
-      mesh.normals[k] = map.determinant() < 0 ? -map.normal(mesh.normals[k]) : map.normal(mesh.normals[k]);
-  }
-}
-
 }  // namespace
 
 JointMaps read_skin(const Value& skin, const Document& document, Accessors& accessors,
                     const std::vector<Node>& nodes, std::size_t moment) {
   const Value joints = skin["joints"], inverse_bind = skin["inverseBindMatrices"];
+  if (joints.size() == 0) skin.refuse("has no joints");
   Accessor to_joint;
   if (inverse_bind.exists()) {
     to_joint = accessors.read(inverse_bind, 16);
@@ -190,21 +167,25 @@ MeshReader::Triangles MeshReader::stored_triangles(const Source& source) const {
     document_.warn(primitive, "incomplete triangle", "its last triangle is incomplete and is left out");
   const std::uint64_t count = triangle_count(mode, corners);
   check_triangles(primitive, count);
-  Triangles triangles(static_cast<std::size_t>(count));
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const auto corner = corners_of(mode, i);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t vertex = indices ? indices->whole(corner[k]) : corner[k];
-      if (vertex >= source.vertices)
-        index.refuse(
-            fmt::format("element {} is {}; there are {} vertices", corner[k], vertex, source.vertices));
-      triangles[i][k] = static_cast<std::uint32_t>(vertex);
-    }
+  Triangles triangles;
+  triangles.reserve(static_cast<std::size_t>(count));
+  for (std::uint64_t i = 0; i < count; ++i) {
+    std::array<std::uint32_t, 3> triangle{};
+    const auto corner = corners_of(mode, static_cast<std::size_t>(i));
+    for (std::size_t k = 0; k < 3; ++k)
+      triangle[k] = indices ? indices->whole(corner[k]) : static_cast<std::uint32_t>(corner[k]);
+    if (std::ranges::all_of(triangle, [&](std::uint32_t vertex) { return vertex < source.vertices; }))
+      triangles.push_back(triangle);
   }
+  if (triangles.size() < count)
+    document_.warn(
+        index, "missing vertices",
+        fmt::format("triangles left out because they name vertices beyond the {} that there are: {}",
+                    source.vertices, count - triangles.size()));
   return triangles;
 }
 
-std::optional<Part> MeshReader::read(const Value& primitive, std::uint32_t uv_set,
+std::optional<Part> MeshReader::read(const Value& primitive, const std::vector<std::uint32_t>& uv_sets,
                                      const std::vector<MeshPose>& poses) {
   if (!has_area(primitive)) return std::nullopt;
   Source source = open(primitive);
@@ -214,11 +195,11 @@ std::optional<Part> MeshReader::read(const Value& primitive, std::uint32_t uv_se
     return std::nullopt;
   }
   source.vertices = positions->count();
-  Part part{primitive, {}, false};
+  Part part{primitive, {}};
   part.mesh.triangles = triangles_of(source);
   source.used = renumber(part.mesh.triangles, source.vertices);
   part.mesh.positions = vectors_of(*positions, source.used);
-  read_attributes(part, source, uv_set);
+  read_attributes(part, source, uv_sets);
   shape(part.mesh, source, poses);
   return part;
 }
@@ -231,7 +212,7 @@ void MeshReader::shape(MeshDescription& mesh, const Source& source,
   for (const MeshPose& pose : poses) {
     MeshStep step{pose.moment, mesh.positions, mesh.normals};
     apply_morph_targets(step, source, pose.weights);
-    if (is_skinned) apply_skin(step, influences, *pose.joints, source.used, source.primitive);
+    if (is_skinned) apply_skin(step, source, influences, *pose.joints);
     steps.push_back(std::move(step));
   }
   mesh.positions = steps.front().positions;
@@ -250,18 +231,84 @@ bool MeshReader::has_area(const Value& primitive) const {
   return false;
 }
 
-void MeshReader::read_attributes(Part& part, const Source& source, std::uint32_t uv_set) const {
+std::optional<Accessor> MeshReader::optional_attribute(const Source& source, const std::string& name,
+                                                       std::size_t components, bool or_four) const {
+  std::optional<Accessor> values;
+  document_.try_to(source.primitive["attributes"][name], "attribute " + name, "it is ignored",
+                   [&] { values = attribute(source, name, components, or_four); });
+  return values;
+}
+
+std::vector<Vec2> MeshReader::read_uvs(const Source& source, std::uint32_t set) const {
+  const auto uvs = optional_attribute(source, fmt::format("TEXCOORD_{}", set), 2);
+  return uvs ? uvs_of(*uvs, source.used) : std::vector<Vec2>();
+}
+
+// Exporters write one accessor under several names.
+void MeshReader::read_second_uvs(MeshDescription& mesh, const Source& source, std::uint32_t first,
+                                 std::uint32_t second) const {
+  const Value attributes = source.primitive["attributes"];
+  const auto name_of_set = [](std::uint32_t set) { return fmt::format("TEXCOORD_{}", set); };
+  const auto accessor = attributes[name_of_set(second)].as_whole();
+  if (accessor && accessor == attributes[name_of_set(first)].as_whole()) return;
+  mesh.second_uvs = read_uvs(source, second);
+  const bool lacks_first = mesh.uvs.empty(), lacks_second = mesh.second_uvs.empty();
+  if (lacks_first == lacks_second) return;
+  document_.warn(source.primitive, "missing uv",
+                 fmt::format("it has no {0}; {1} replaces it", name_of_set(lacks_first ? first : second),
+                             name_of_set(lacks_first ? second : first)));
+  if (lacks_first) mesh.uvs = std::exchange(mesh.second_uvs, {});
+}
+
+void MeshReader::read_attributes(Part& part, const Source& source,
+                                 const std::vector<std::uint32_t>& uv_sets) const {
   MeshDescription& mesh = part.mesh;
-  if (const auto normals = attribute(source, "NORMAL", 3)) mesh.normals = vectors_of(*normals, source.used);
-  if (const auto uvs = attribute(source, fmt::format("TEXCOORD_{}", uv_set), 2))
-    mesh.uvs = uvs_of(*uvs, source.used);
-  const auto colors = attribute(source, "COLOR_0", 3, true);
+  if (const auto normals = optional_attribute(source, "NORMAL", 3))
+    mesh.normals = vectors_of(*normals, source.used);
+  mesh.uvs = read_uvs(source, uv_sets.empty() ? 0 : uv_sets[0]);
+  if (uv_sets.size() > 1) read_second_uvs(mesh, source, uv_sets[0], uv_sets[1]);
+  if (!uv_sets.empty() && mesh.uvs.empty())
+    document_.warn(source.primitive, "no uv",
+                   fmt::format("it has no TEXCOORD_{}; its textures show a single texel", uv_sets[0]));
+  const auto colors = optional_attribute(source, "COLOR_0", 3, true);
   if (!colors) return;
   for (const std::uint32_t i : source.used) {
     const Vec3 color = colors->vec3(i);
     mesh.colors.push_back({color.x, color.y, color.z});
-    part.has_transparent_colors |= colors->components() == 4 && colors->number(i, 3) < 1;
+    if (colors->components() == 4) part.alphas.push_back(colors->number(i, 3));
   }
+  if (std::ranges::all_of(part.alphas, [](float alpha) { return alpha >= 1; })) part.alphas.clear();
+}
+
+// Linear blend skinning (glTF 2.0 specification, section 3.7.3). A vertex without weights stays.
+void MeshReader::apply_skin(MeshStep& step, const Source& source, const std::vector<Influences>& influences,
+                            const JointMaps& maps) const {
+  std::uint64_t missing = 0;
+  for (std::size_t k = 0; k < source.used.size(); ++k) {
+    Transform sum{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    float total = 0;
+    for (const auto& [joints, weights] : influences)
+      for (std::size_t c = 0; c < 4; ++c) {
+        const float weight = weights.number(source.used[k], c);
+        if (!(weight > 0)) continue;
+        const std::uint32_t joint = joints.whole(source.used[k], c);
+        if (joint >= maps.size()) {
+          ++missing;
+          continue;
+        }
+        add(sum, weighted(maps[joint], weight));
+        total += weight;
+      }
+    if (!(total > 0)) continue;
+    const Transform map = weighted(sum, 1 / total);
+    step.positions[k] = map.point(step.positions[k]);
+    if (!step.normals.empty())
+      step.normals[k] = map.determinant() < 0 ? -map.normal(step.normals[k]) : map.normal(step.normals[k]);
+  }
+  if (missing > 0)
+    document_.warn(source.primitive, "missing joints",
+                   fmt::format("weights ignored because their joints are beyond the {} of the skin: {}",
+                               maps.size(), missing));
 }
 
 std::vector<Influences> MeshReader::influences_of(const Source& source) const {
@@ -282,9 +329,11 @@ void MeshReader::apply_morph_targets(MeshStep& step, const Source& source,
     const Value target = targets.at(i);
     const auto add_deltas = [&](std::string_view name, std::vector<Vec3>& vectors) {
       if (!target[name].exists() || vectors.empty()) return;
-      const Accessor deltas = accessors_.read(target[name], 3);
-      if (deltas.count() < source.vertices) target[name].refuse("has too few elements");
-      add_scaled(vectors, deltas, source.used, weights[i]);
+      document_.try_to(target[name], "morph target", "it is ignored", [&] {
+        const Accessor deltas = accessors_.read(target[name], 3);
+        if (deltas.count() < source.vertices) target[name].refuse("has too few elements");
+        add_scaled(vectors, deltas, source.used, weights[i]);
+      });
     };
     add_deltas("POSITION", step.positions);
     add_deltas("NORMAL", step.normals);

@@ -25,12 +25,12 @@ struct Part {
   // Without materials. In the space of the mesh, or of the world if a skin has placed it. With steps if it is
   // read at several moments and deforms.
   MeshDescription mesh;
-  bool has_transparent_colors = false;  // vertex colours have alpha below 1
+  std::vector<float> alphas{};  // of the vertex colours, if one is below 1; else empty
 };
 
 // Where a skin's joints move vertices: one map for each joint, from the mesh at rest to the world.
 using JointMaps = std::vector<Transform>;
-// At one of the moments of the nodes.
+// Of a skin at one of the moments of the nodes.
 JointMaps read_skin(const Value& skin, const Document& document, Accessors& accessors,
                     const std::vector<Node>& nodes, std::size_t moment);
 
@@ -51,8 +51,10 @@ class MeshReader {
   MeshReader(const Document& document, Buffers& buffers, Accessors& accessors)
       : document_(document), buffers_(buffers), accessors_(accessors) {}
 
-  // A primitive's triangles; nullopt if it has none, with a warning. There is at least one pose.
-  std::optional<Part> read(const Value& primitive, std::uint32_t uv_set, const std::vector<MeshPose>& poses);
+  // A primitive's triangles; nullopt if it has none, with a warning. `uv_sets` are those of its material's
+  // textures, at most two. There is at least one pose.
+  std::optional<Part> read(const Value& primitive, const std::vector<std::uint32_t>& uv_sets,
+                           const std::vector<MeshPose>& poses);
 
  private:
   using Triangles = std::vector<std::array<std::uint32_t, 3>>;
@@ -70,13 +72,22 @@ class MeshReader {
   // With at least `components` of each of the vertices; nullopt if there is no such attribute.
   std::optional<Accessor> attribute(const Source& source, const std::string& name, std::size_t components,
                                     bool or_four = false) const;
+  // The same; nullopt, after a warning, of an attribute that is broken.
+  std::optional<Accessor> optional_attribute(const Source& source, const std::string& name,
+                                             std::size_t components, bool or_four = false) const;
   Triangles triangles_of(Source& source) const;
   Triangles stored_triangles(const Source& source) const;
   void check_triangles(const Value& primitive, std::uint64_t count) const;
-  void read_attributes(Part& part, const Source& source, std::uint32_t uv_set) const;
+  void read_attributes(Part& part, const Source& source, const std::vector<std::uint32_t>& uv_sets) const;
+  std::vector<Vec2> read_uvs(const Source& source, std::uint32_t set) const;
+  // The second of two sets, if the primitive has both; the one that it has counts as both.
+  void read_second_uvs(MeshDescription& mesh, const Source& source, std::uint32_t first,
+                       std::uint32_t second) const;
   std::vector<Influences> influences_of(const Source& source) const;
   // Positions and normals at the first pose and, if they differ, at all as steps.
   void shape(MeshDescription& mesh, const Source& source, const std::vector<MeshPose>& poses) const;
+  void apply_skin(MeshStep& step, const Source& source, const std::vector<Influences>& influences,
+                  const JointMaps& maps) const;
   void apply_morph_targets(MeshStep& step, const Source& source, const std::vector<float>& weights) const;
 
   const Document& document_;

@@ -27,6 +27,13 @@ bool is_stride_of(const MeshoptStream& stream) {
   return stride == 2 || stride == 4;
 }
 
+// The version of the codec of vertices, which its first byte tells; EXT_meshopt_compression has version 0.
+int vertex_codec_version(std::string_view bytes) {
+  constexpr unsigned kVertexHeader = 0xa0, kVersion = 0x0f;
+  const unsigned first = bytes.empty() ? 0 : static_cast<unsigned char>(bytes[0]);
+  return (first & ~kVersion) == kVertexHeader ? static_cast<int>(first & kVersion) : 0;
+}
+
 int decompress(const MeshoptStream& stream, void* to) {
   const auto* from = reinterpret_cast<const unsigned char*>(stream.bytes.data());
   const std::size_t size = stream.bytes.size();
@@ -88,6 +95,11 @@ MeshoptStream read_meshopt_stream(const Value& extension, std::string_view bytes
 }
 
 std::string decode_meshopt(const Value& extension, const MeshoptStream& stream) {
+  if (const int version = vertex_codec_version(stream.bytes); stream.mode == "ATTRIBUTES" && version > 0)
+    extension.refuse(
+        fmt::format("its vertices are compressed by version {} of the codec; only version 0 is "
+                    "supported",
+                    version));
   // Filters work on words.
   std::vector<std::uint64_t> words((stream.count * stream.stride + 7) / 8);
   if (stream.count > 0 && decompress(stream, words.data()) != 0)

@@ -14,19 +14,13 @@
 namespace tessera::core::gltf {
 namespace {
 
-std::vector<float> numbers_of(const Value& list) {
-  std::vector<float> numbers;
-  for (std::size_t i = 0; i < list.size(); ++i) numbers.push_back(list.at(i).number());
-  return numbers;
-}
-
 NodePose read_pose(const Value& node) {
   NodePose pose;
   pose.translation = node.vector_or("translation", pose.translation);
   pose.scale = node.vector_or("scale", pose.scale);
   if (auto rotation = node.numbers("rotation", 4); !rotation.empty()) pose.rotation = std::move(rotation);
   pose.matrix = node.numbers("matrix", 16);
-  pose.weights = numbers_of(node["weights"]);
+  pose.weights = node.numbers("weights");
   return pose;
 }
 
@@ -37,16 +31,18 @@ Transform local_transform(const NodePose& pose) {
 }
 
 void connect(const Document& document, std::vector<Node>& nodes) {
-  for (Node& node : nodes) {
-    const Value children = node.value["children"];
-    for (std::size_t i = 0; i < children.size(); ++i) {
-      const Value child = children.at(i);
-      document.element("nodes", child);
-      Node& other = nodes[static_cast<std::size_t>(child.whole())];
-      if (other.has_parent)
-        child.refuse(fmt::format("nodes[{}] has two parents; nodes must form trees", child.whole()));
-      other.has_parent = true;
-      node.children.push_back(static_cast<std::uint32_t>(child.whole()));
+  for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+    const Value children = nodes[i].value["children"];
+    for (std::size_t k = 0; k < children.size(); ++k) {
+      const Value child = children.at(k);
+      document.try_to(child, "child", "it is left out", [&] {
+        Document::element(document.root()["nodes"], child);
+        const auto number = static_cast<std::uint32_t>(child.whole());
+        if (nodes[number].parent)
+          child.refuse(fmt::format("nodes[{}] has two parents; nodes must form trees", number));
+        nodes[number].parent = i;
+        nodes[i].children.push_back(number);
+      });
     }
   }
 }
@@ -68,24 +64,48 @@ void walk(const std::vector<Node>& nodes, const std::vector<std::uint32_t>& root
 std::vector<std::uint32_t> roots_of(const std::vector<Node>& nodes) {
   std::vector<std::uint32_t> roots;
   for (std::uint32_t i = 0; i < nodes.size(); ++i)
-    if (!nodes[i].has_parent) roots.push_back(i);
+    if (!nodes[i].parent) roots.push_back(i);
   return roots;
 }
 
-// At one more moment. Every node has at most one parent by now, so that those that no root reaches form
-// cycles.
+// A node of the cycle that the parents of `node` lead to.
+std::uint32_t node_of_cycle(const std::vector<Node>& nodes, std::uint32_t node, std::vector<bool>& passed) {
+  while (!passed[node]) {
+    passed[node] = true;
+    node = *nodes[node].parent;
+  }
+  return node;
+}
+
+// Every node has at most one parent, so that those that no root reaches are in a cycle or below one.
+void cut_cycles(const Document& document, std::vector<Node>& nodes) {
+  std::vector<bool> reached(nodes.size()), passed(nodes.size());
+  const auto reach = [&](const std::vector<std::uint32_t>& roots) {
+    walk(nodes, roots, [&](std::uint32_t at) {
+      reached[at] = true;
+      return true;
+    });
+  };
+  reach(roots_of(nodes));
+  for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+    if (reached[i]) continue;
+    const std::uint32_t root = node_of_cycle(nodes, i, passed);
+    document.warn(nodes[root].value, "cycle", "is its own ancestor; it is no longer the child of a node");
+    std::erase(nodes[*nodes[root].parent].children, root);
+    nodes[root].parent.reset();
+    reach({root});
+  }
+}
+
+// At one more moment.
 void place(std::vector<Node>& nodes, const std::vector<NodePose>& poses) {
-  std::vector<bool> reached(nodes.size());
   const auto roots = roots_of(nodes);
   for (const std::uint32_t root : roots) nodes[root].to_world.push_back(local_transform(poses[root]));
   walk(nodes, roots, [&](std::uint32_t at) {
-    reached[at] = true;
     for (const std::uint32_t child : nodes[at].children)
       nodes[child].to_world.push_back(compose(nodes[at].to_world.back(), local_transform(poses[child])));
     return true;
   });
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (!reached[i]) nodes[i].value.refuse("is its own ancestor; nodes must form trees");
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     auto& weights = nodes[i].weights.emplace_back();
     if (nodes[i].value["mesh"].exists()) weights = poses[i].weights;
@@ -93,8 +113,7 @@ void place(std::vector<Node>& nodes, const std::vector<NodePose>& poses) {
 }
 
 bool is_visible(const Value& node) {
-  const Value extension = node.extension("KHR_node_visibility");
-  return !extension["visible"].exists() || extension.is_true("visible");
+  return node.extension("KHR_node_visibility").is_true("visible", true);
 }
 
 // The chosen animation; nullopt if there is none.
@@ -110,15 +129,36 @@ std::optional<NodeAnimation> read_animation(const Document& document, Accessors&
     document.warn(
         animations, "animation",
         fmt::format("the scene is rendered as it is at the beginning of {} of {} animations; a time "
-                    "can be chosen (--animation-time)",
+                    "can be chosen (--animation-time), or none (--animation none)",
                     selection.animation->path() == animations.at(0).path() ? "the first" : "one",
                     animations.size()));
   return animation;
 }
 
 Value default_scene(const Document& document) {
-  const Value index = document.root()["scene"];
-  return index.exists() ? document.element("scenes", index) : document.root()["scenes"].at(0);
+  const Value index = document.root()["scene"], scenes = document.root()["scenes"];
+  const Value scene =
+      index.exists() ? document.element_or_none(scenes, index, "the first scene is rendered") : Value();
+  return scene.exists() ? scene : scenes.at(0);
+}
+
+// The nodes that a scene names.
+std::vector<std::uint32_t> roots_of_scene(const Document& document, const std::vector<Node>& nodes,
+                                          const Value& scene) {
+  std::vector<std::uint32_t> roots;
+  std::vector<bool> is_root(nodes.size());
+  const Value list = scene["nodes"];
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (!document.element_or_none("nodes", list.at(i), "it is left out").exists()) continue;
+    const auto root = static_cast<std::uint32_t>(list.at(i).whole());
+    if (nodes[root].parent || is_root[root])
+      document.warn(list.at(i), "node of a scene",
+                    fmt::format("nodes[{}] is {}; it is shown once", root,
+                                is_root[root] ? "there twice" : "the child of another node"));
+    is_root[root] = true;
+    roots.push_back(root);
+  }
+  return roots;
 }
 
 }  // namespace
@@ -147,6 +187,7 @@ std::vector<Node> read_nodes(const Document& document, Accessors& accessors, con
     at_rest.push_back(read_pose(nodes[i].value));
   }
   connect(document, nodes);
+  cut_cycles(document, nodes);
   const auto animation = read_animation(document, accessors, selection);
   for (const float moment : selection.moments()) {
     std::vector<NodePose> poses = at_rest;
@@ -166,24 +207,15 @@ std::vector<std::uint32_t> nodes_of_scene(const Document& document, const std::v
       document.warn(scenes, "scenes",
                     fmt::format("of {} scenes, only {} is rendered; another one can be chosen (--scene)",
                                 scenes.size(), name_of(scene)));
-    roots.clear();
-    std::vector<bool> is_root(nodes.size());
-    const Value list = scene["nodes"];
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      document.element("nodes", list.at(i));
-      const auto root = static_cast<std::uint32_t>(list.at(i).whole());
-      if (nodes[root].has_parent)
-        list.at(i).refuse(fmt::format("nodes[{}] is the child of another node", root));
-      if (is_root[root]) list.at(i).refuse(fmt::format("nodes[{}] is there twice", root));
-      is_root[root] = true;
-      roots.push_back(root);
-    }
+    roots = roots_of_scene(document, nodes, scene);
   }
   std::vector<std::uint32_t> order;
+  std::vector<bool> shown(nodes.size());
   walk(nodes, roots, [&](std::uint32_t at) {
-    const bool visible = is_visible(nodes[at].value);
-    if (visible) order.push_back(at);
-    return visible;
+    if (shown[at] || !is_visible(nodes[at].value)) return false;
+    shown[at] = true;
+    order.push_back(at);
+    return true;
   });
   return order;
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The nodes of a glTF file as a forest, placed as they are at rest, or where an animation has them at a time.
-// Functions throw Refusals: of nodes that form cycles or have two parents.
+// A node that has two parents keeps the first, and cycles are cut, with warnings.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "core/math/transform.hpp"
@@ -18,7 +19,7 @@ namespace tessera::core::gltf {
 struct Node {
   Value value;
   std::vector<std::uint32_t> children;
-  bool has_parent = false;
+  std::optional<std::uint32_t> parent{};
   // One for each of Selection::moments(), the first of which is the time that is shown without shutter.
   std::vector<Transform> to_world;
   std::vector<std::vector<float>> weights;  // of morph targets, empty where this node has none of its own
@@ -37,7 +38,7 @@ struct Node {
 std::vector<Node> read_nodes(const Document& document, Accessors& accessors, const Selection& selection);
 
 // The visible nodes of the chosen scene (KHR_node_visibility), in the order of a walk from its first node
-// down. If the file has no scene, all nodes.
+// down, each once. If the file has no scene, all nodes.
 std::vector<std::uint32_t> nodes_of_scene(const Document& document, const std::vector<Node>& nodes,
                                           const Selection& selection);
 

@@ -59,6 +59,7 @@ LightDescription read_spot(const Value& light, Vec3 position, Vec3 direction, Rg
   description.intensity = intensity;
   description.angle_degrees = std::min(2 * outer * kDegreesPerRadian, 180.0f);
   description.softness = std::clamp(1 - inner / outer, 0.0f, 1.0f);
+  description.falloff = SpotFalloff::kSquared;
   return description;
 }
 
@@ -96,7 +97,6 @@ std::optional<LightDescription> read_light(const Value& light, const Transform& 
                   fmt::format("there is no light type {}; the light is left out", in_quotes(type)));
     return std::nullopt;
   }
-  document.warn(light, "spot falloff", "the falloff of spot lights at their edge is approximated");
   return read_spot(light, position, direction, intensity, document);
 }
 

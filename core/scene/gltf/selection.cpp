@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "core/camera/camera_description.hpp"
@@ -24,6 +25,11 @@ std::vector<std::string> names_in(const Value& list) {
   return names;
 }
 
+// Whether no animation is wanted, rather than one of this name.
+bool is_none(std::string_view wanted, const std::vector<std::string>& names) {
+  return wanted == kSelectNone && std::find(names.begin(), names.end(), wanted) == names.end();
+}
+
 std::optional<Value> chosen_of(const Value& list, std::string_view what, const Value& extension) {
   const std::string wanted = extension.text(what);
   if (wanted.empty()) return std::nullopt;
@@ -33,9 +39,14 @@ std::optional<Value> chosen_of(const Value& list, std::string_view what, const V
 std::optional<float> seconds_of(const Value& extension, std::string_view what, bool is_animated) {
   const Value time = extension[what];
   if (!time.exists()) return std::nullopt;
-  if (!is_animated)
+  if (!is_animated) {
+    const bool left_out = extension.text(kSelectAnimation) == kSelectNone;
     throw Refusal{
-        0, {ErrorCode::kInvalidArgument, "has no animation of which a time could be chosen"}, false};
+        0,
+        {ErrorCode::kInvalidArgument, left_out ? "without an animation, no time can be chosen"
+                                               : "has no animation of which a time could be chosen"},
+        false};
+  }
   return time.number();
 }
 
@@ -47,8 +58,10 @@ Selection::Selection(const Document& document) {
   const Value variants = root.extension("KHR_materials_variants")["variants"];
   camera = extension.text(kSelectCamera);
   scene = chosen_of(root["scenes"], kSelectScene, extension);
-  animation = chosen_of(animations, kSelectAnimation, extension);
-  if (!animation && animations.size() > 0) animation = animations.at(0);
+  if (!is_none(extension.text(kSelectAnimation), names_in(animations))) {
+    animation = chosen_of(animations, kSelectAnimation, extension);
+    if (!animation && animations.size() > 0) animation = animations.at(0);
+  }
   seconds = seconds_of(extension, kSelectTime, animation.has_value());
   shutter_seconds = seconds_of(extension, kSelectShutter, animation.has_value()).value_or(0);
   if (!(shutter_seconds >= 0 && shutter_seconds <= kMaxShutterFrames))

@@ -17,7 +17,7 @@ struct Selection {
   std::string camera;          // a name or a number; empty: the first
   std::optional<Value> scene;  // nullopt: the file's default
   std::optional<std::size_t> variant;
-  std::optional<Value> animation;  // nullopt: there is none
+  std::optional<Value> animation;  // nullopt: there is none, or none is wanted
   std::optional<float> seconds;    // nullopt: none was chosen, which means the beginning
   float shutter_seconds = 0;       // how long the shutter is open from then on
 

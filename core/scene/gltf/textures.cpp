@@ -16,23 +16,28 @@ namespace {
 
 Wrap wrap_of(const Value& sampler, std::string_view key, const Document& document) {
   constexpr std::uint64_t kClampToEdge = 33071, kMirroredRepeat = 33648, kRepeat = 10497;
-  const std::uint64_t wrap = sampler.whole_or(key, kRepeat);
+  std::uint64_t wrap = kRepeat;
+  document.try_to(sampler[key], "wrap", "the texture repeats", [&] {
+    wrap = sampler.whole_or(key, kRepeat);
+    if (wrap != kClampToEdge && wrap != kMirroredRepeat && wrap != kRepeat)
+      sampler[key].refuse(fmt::format("{} is no way to wrap", wrap));
+  });
   if (wrap == kClampToEdge) return Wrap::kClamp;
-  if (wrap == kMirroredRepeat) return Wrap::kMirror;
-  if (wrap != kRepeat)
-    document.warn(sampler[key], "wrap", fmt::format("{} is no way to wrap; the texture repeats", wrap));
-  return Wrap::kRepeat;
+  return wrap == kMirroredRepeat ? Wrap::kMirror : Wrap::kRepeat;
 }
 
 // KHR_texture_transform scales, then rotates counter-clockwise as seen with v downwards, then moves. Here v
 // points upwards: v' = 1 - v.
-void apply_transform(const Value& transform, Texture& texture) {
+void apply_transform(const Value& transform, Texture& texture, const Document& document) {
   const auto scale = transform.numbers("scale", 2), offset = transform.numbers("offset", 2);
   const Vec2 s = scale.empty() ? Vec2{1, 1} : Vec2{scale[0], scale[1]};
   const Vec2 t = offset.empty() ? Vec2{0, 0} : Vec2{offset[0], offset[1]};
   constexpr float kMaxAngle = 1e4f;
-  const float angle = transform.number_or("rotation", 0);
-  if (!(angle >= -kMaxAngle && angle <= kMaxAngle)) transform["rotation"].refuse("is too large");
+  float angle = transform.number_or("rotation", 0);
+  if (!(angle >= -kMaxAngle && angle <= kMaxAngle)) {
+    document.warn(transform["rotation"], "rotation", "is too large; it is ignored");
+    angle = 0;
+  }
   const float c = angle == 0 ? 1 : core::cos(angle), d = angle == 0 ? 0 : core::sin(angle);
   // (u, v) -> (uu u + uv v, vu u + vv v) + t with v downwards.
   const float uu = c * s.x, uv = d * s.y, vu = -d * s.x, vv = c * s.y;
@@ -55,12 +60,35 @@ TextureImage apply_curve(const TextureImage& source, const Textures::Curve& curv
 
 }  // namespace
 
-std::uint32_t Textures::uv_set(const Value& info) {
+std::uint32_t Textures::set_of(const Value& info) const {
   const Value transformed = info.extension("KHR_texture_transform")["texCoord"];
-  const std::uint64_t set = transformed.exists() ? transformed.whole() : info.whole_or("texCoord", 0);
-  constexpr std::uint64_t kMaxSet = 1000;
-  if (set > kMaxSet) info.refuse(fmt::format("there is no TEXCOORD_{}", set));
+  std::uint64_t set = 0;
+  document_.try_to(info, "texCoord", "TEXCOORD_0 is used", [&] {
+    const std::uint64_t named = transformed.exists() ? transformed.whole() : info.whole_or("texCoord", 0);
+    constexpr std::uint64_t kMaxSet = 1000;
+    if (named > kMaxSet) info.refuse(fmt::format("there is no TEXCOORD_{}", named));
+    set = named;
+  });
   return static_cast<std::uint32_t>(set);
+}
+
+void Textures::begin_material(const Value& base_texture) {
+  coordinates_ = {};
+  if (base_texture["index"].exists()) coordinates_.sets.push_back(set_of(base_texture));
+}
+
+UvSet Textures::uv_set(const Value& info) {
+  constexpr std::size_t kMaxSets = 2;
+  std::vector<std::uint32_t>& sets = coordinates_.sets;
+  const std::uint32_t set = set_of(info);
+  const auto known = std::find(sets.begin(), sets.end(), set);
+  if (known != sets.end()) return known == sets.begin() ? UvSet::kFirst : UvSet::kSecond;
+  if (sets.size() == kMaxSets) {
+    coordinates_.others.push_back(info);
+    return UvSet::kFirst;
+  }
+  sets.push_back(set);
+  return sets.size() == 1 ? UvSet::kFirst : UvSet::kSecond;
 }
 
 Value Textures::image_of(const Value& texture) const {
@@ -101,33 +129,47 @@ std::optional<SceneBuilder::Image> Textures::image(const Value& info, const Imag
   return std::nullopt;
 }
 
-Texture Textures::with_sampler(const Value& info, SceneBuilder::Image image) const {
+void Textures::apply_sampler(const Value& sampler, Texture& texture) const {
+  texture.wrap = wrap_of(sampler, "wrapS", document_);
+  if (const Wrap wrap_v = wrap_of(sampler, "wrapT", document_); wrap_v != texture.wrap)
+    texture.wrap_v = wrap_v;
+  constexpr std::uint64_t kNearest = 9728;
+  if (sampler["magFilter"].as_whole() == kNearest) texture.filter = TextureFilter::kNearest;
+}
+
+Texture Textures::with_sampler(const Value& info, SceneBuilder::Image image) {
   Texture texture;
   texture.image = std::move(image);
-  const Value sampler_index = document_.element("textures", info["index"])["sampler"];
-  if (sampler_index.exists()) {
-    const Value sampler = document_.element("samplers", sampler_index);
-    texture.wrap = wrap_of(sampler, "wrapS", document_);
-    if (const Wrap wrap_v = wrap_of(sampler, "wrapT", document_); wrap_v != texture.wrap)
-      texture.wrap_v = wrap_v;
-    constexpr std::uint64_t kNearest = 9728;
-    if (sampler.whole_or("magFilter", 0) == kNearest)
-      document_.warn(sampler, "nearest", "unfiltered texels are not supported; they are interpolated");
-  }
+  texture.uv_set = uv_set(info);
+  const Value sampler = document_.element("textures", info["index"])["sampler"];
+  if (sampler.exists())
+    apply_sampler(document_.element_or_none("samplers", sampler, "the texture repeats"), texture);
   if (const Value transform = info.extension("KHR_texture_transform"); transform.exists())
-    apply_transform(transform, texture);
+    apply_transform(transform, texture, document_);
   return texture;
 }
 
 int Textures::add(const Value& info, const ImageUse& use) {
-  if (!info.exists()) return -1;
-  auto decoded = image(info, use);
-  return decoded ? document_.builder().add_texture(with_sampler(info, std::move(*decoded))) : -1;
+  int added = -1;
+  if (info.exists())
+    document_.try_to(info, "texture", "the texture is ignored", [&] {
+      if (auto decoded = image(info, use))
+        added = document_.builder().add_texture(with_sampler(info, std::move(*decoded)));
+    });
+  return added;
 }
 
 int Textures::converted(const Value& info, TextureChannel channel, const std::string& name,
                         const Curve& curve) {
-  if (!info.exists()) return -1;
+  int added = -1;
+  if (info.exists())
+    document_.try_to(info, "texture", "the texture is ignored",
+                     [&] { added = add_converted(info, channel, name, curve); });
+  return added;
+}
+
+int Textures::add_converted(const Value& info, TextureChannel channel, const std::string& name,
+                            const Curve& curve) {
   const std::string key =
       fmt::format("{}, channel {}, {}", image_of(document_.element("textures", info["index"])).path(),
                   static_cast<int>(channel), name);

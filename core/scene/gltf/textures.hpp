@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/scene/gltf/buffers.hpp"
 #include "core/scene/gltf/document.hpp"
@@ -23,6 +24,18 @@ class Textures {
 
   Textures(const Document& document, Buffers& buffers) : document_(document), buffers_(buffers) {}
 
+  // The texture coordinates of a material: numbers n of TEXCOORD_n.
+  struct Coordinates {
+    std::vector<std::uint32_t> sets{};  // at most two, the scene's UvSets
+    std::vector<Value> others{};        // textureInfos with a third set, which are looked up by the first
+  };
+  // Begins a material, whose textures follow. The first set is that of its base colour's texture, if it has
+  // one, or else of the first texture.
+  void begin_material(const Value& base_texture);
+  const Coordinates& coordinates() const { return coordinates_; }
+  // More textures of a material follow, which has these.
+  void continue_material(const Coordinates& coordinates) { coordinates_ = coordinates; }
+
   // The scene's texture of a textureInfo; -1 if it is absent, or its image cannot be read, with a warning.
   int color(const Value& info) { return add(info, {ColorSpace::kSrgb, TextureChannel::kColor}); }
   int data(const Value& info, TextureChannel channel) { return add(info, {ColorSpace::kLinear, channel}); }
@@ -30,17 +43,21 @@ class Textures {
   int converted(const Value& info, TextureChannel channel, const std::string& name, const Curve& curve);
 
   // The set of texture coordinates that a textureInfo uses.
-  static std::uint32_t uv_set(const Value& info);
+  std::uint32_t set_of(const Value& info) const;
 
  private:
+  UvSet uv_set(const Value& info);
   int add(const Value& info, const ImageUse& use);
   std::optional<SceneBuilder::Image> image(const Value& info, const ImageUse& use);
   Value image_of(const Value& texture) const;
   Result<SceneBuilder::Image> decode(const Value& image, const ImageUse& use);
-  Texture with_sampler(const Value& info, SceneBuilder::Image image) const;
+  Texture with_sampler(const Value& info, SceneBuilder::Image image);
+  void apply_sampler(const Value& sampler, Texture& texture) const;
+  int add_converted(const Value& info, TextureChannel channel, const std::string& name, const Curve& curve);
 
   const Document& document_;
   Buffers& buffers_;
+  Coordinates coordinates_;                               // of the material
   std::map<std::string, SceneBuilder::Image> converted_;  // by the path of the image, channel and curve
 };
 

@@ -186,7 +186,7 @@ class UnknownKeys {
     if (const auto* list = json.get_if<JsonValue::Array>()) {
       for (std::size_t i = 0; i < list->size(); ++i)
         if (is_container((*list)[i]))
-          tell_in({&(*list)[i], fmt::format("{}[{}]", place.path(), i)}, (*list)[i]);
+          tell_in({&(*list)[i], fmt::format("{}[{}]", place.path(), i), &document_}, (*list)[i]);
     } else if (const auto* members = json.get_if<JsonValue::Object>()) {
       for (const JsonValue::Member& member : *members) tell_member(place, member);
     }
@@ -196,9 +196,9 @@ class UnknownKeys {
   static bool is_container(const JsonValue& json) {
     return json.get_if<JsonValue::Array>() != nullptr || json.get_if<JsonValue::Object>() != nullptr;
   }
-  static Value child_of(const Value& place, const JsonValue::Member& member) {
+  Value child_of(const Value& place, const JsonValue::Member& member) const {
     const std::string dot = place.path().empty() ? "" : ".";
-    return {&member.value, place.path() + dot + member.key};
+    return {&member.value, place.path() + dot + member.key, &document_};
   }
 
   void tell_member(const Value& place, const JsonValue::Member& member) {

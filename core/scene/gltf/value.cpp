@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/base/printable.hpp"
+#include "core/scene/gltf/document.hpp"
 
 namespace tessera::core::gltf {
 namespace {
@@ -25,12 +26,12 @@ void Value::refuse(std::string_view what, ErrorCode code) const {
 
 Value Value::operator[](std::string_view key) const {
   const auto* members = json_ == nullptr ? nullptr : json_->get_if<JsonValue::Object>();
-  if (members == nullptr) return {nullptr, member_path(path_, key)};
+  if (members == nullptr) return {nullptr, member_path(path_, key), document_};
   const auto found = std::find_if(members->begin(), members->end(),
                                   [&](const JsonValue::Member& member) { return member.key == key; });
   if (found != members->end()) found->value.is_used = true;
   const bool is_absent = found == members->end() || found->value.get_if<JsonValue::Null>() != nullptr;
-  return {is_absent ? nullptr : &found->value, member_path(path_, key)};
+  return {is_absent ? nullptr : &found->value, member_path(path_, key), document_};
 }
 
 std::size_t Value::size() const {
@@ -41,7 +42,7 @@ std::size_t Value::size() const {
 Value Value::at(std::size_t i) const {
   const JsonValue& element = (*json_->get_if<JsonValue::Array>())[i];
   element.is_used = true;
-  return {&element, fmt::format("{}[{}]", path_, i)};
+  return {&element, fmt::format("{}[{}]", path_, i), document_};
 }
 
 Value Value::at_path(std::string_view path) const {
@@ -53,12 +54,12 @@ Value Value::at_path(std::string_view path) const {
   const auto* members = json_ == nullptr ? nullptr : json_->get_if<JsonValue::Object>();
   for (std::size_t i = 0; members != nullptr && i < members->size(); ++i)
     if (std::string step = member_path(path_, (*members)[i].key); leads_on(step))
-      return Value(&(*members)[i].value, std::move(step)).at_path(path);
+      return Value(&(*members)[i].value, std::move(step), document_).at_path(path);
   const auto* list = json_ == nullptr ? nullptr : json_->get_if<JsonValue::Array>();
   for (std::size_t i = 0; list != nullptr && i < list->size(); ++i)
     if (std::string step = fmt::format("{}[{}]", path_, i); leads_on(step))
-      return Value(&(*list)[i], std::move(step)).at_path(path);
-  return {nullptr, std::string(path)};
+      return Value(&(*list)[i], std::move(step), document_).at_path(path);
+  return {nullptr, std::string(path), document_};
 }
 
 std::vector<std::string_view> Value::used_keys() const {
@@ -96,9 +97,9 @@ std::uint64_t Value::whole() const {
   return *number->whole;
 }
 
-float Value::number_or(std::string_view key, float otherwise) const {
-  const Value member = (*this)[key];
-  return member.exists() ? member.number() : otherwise;
+std::optional<std::uint64_t> Value::as_whole() const {
+  const auto* number = json_ == nullptr ? nullptr : json_->get_if<JsonValue::Number>();
+  return number != nullptr && number->whole ? std::optional<std::uint64_t>(*number->whole) : std::nullopt;
 }
 
 std::uint64_t Value::whole_or(std::string_view key, std::uint64_t otherwise) const {
@@ -106,12 +107,30 @@ std::uint64_t Value::whole_or(std::string_view key, std::uint64_t otherwise) con
   return member.exists() ? member.whole() : otherwise;
 }
 
-bool Value::is_true(std::string_view key) const {
+template <typename T, typename Get>
+T Value::value_or(T otherwise, const Get& get) const {
+  const std::string key = path_.substr(path_.rfind('.') + 1);
+  document_->try_to(*this, key.substr(0, key.find('[')), "it is ignored", [&] { otherwise = get(*this); });
+  return otherwise;
+}
+
+template <typename T, typename Get>
+T Value::member_or(std::string_view key, T otherwise, const Get& get) const {
   const Value member = (*this)[key];
-  if (!member.exists()) return false;
-  const bool* truth = member.json_->get_if<bool>();
-  if (truth == nullptr) member.refuse(fmt::format("must be true or false, got {}", member.json_->describe()));
-  return *truth;
+  return member.exists() ? member.value_or(std::move(otherwise), get) : otherwise;
+}
+
+float Value::number_or(std::string_view key, float otherwise) const {
+  return member_or(key, otherwise, [](const Value& member) { return member.number(); });
+}
+
+bool Value::is_true(std::string_view key, bool otherwise) const {
+  return member_or(key, otherwise, [](const Value& member) {
+    const bool* truth = member.json_->get_if<bool>();
+    if (truth == nullptr)
+      member.refuse(fmt::format("must be true or false, got {}", member.json_->describe()));
+    return *truth;
+  });
 }
 
 Rgb Value::color_or(std::string_view key, Rgb otherwise) const {
@@ -125,12 +144,20 @@ Vec3 Value::vector_or(std::string_view key, Vec3 otherwise) const {
 }
 
 std::vector<float> Value::numbers(std::string_view key, std::size_t count) const {
-  const Value member = (*this)[key];
-  if (!member.exists()) return {};
-  if (member.size() != count)
-    member.refuse(fmt::format("must be a list of {} numbers, got {}", count, member.json_->describe()));
+  return member_or(key, std::vector<float>(), [count](const Value& member) {
+    if (member.size() != count)
+      member.refuse(fmt::format("must be a list of {} numbers, got {}", count, member.json_->describe()));
+    std::vector<float> values;
+    for (std::size_t i = 0; i < count; ++i) values.push_back(member.at(i).number());
+    return values;
+  });
+}
+
+std::vector<float> Value::numbers(std::string_view key) const {
+  const Value list = (*this)[key];
   std::vector<float> values;
-  for (std::size_t i = 0; i < count; ++i) values.push_back(member.at(i).number());
+  for (std::size_t i = 0; i < list.size(); ++i)
+    values.push_back(list.at(i).value_or(0.0f, [](const Value& element) { return element.number(); }));
   return values;
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A value of a glTF file's JSON with its place in the file, and checked access to it. Within this folder a
-// file that cannot be read is a Refusal, which is thrown; read_gltf_scene() returns it as an Error. Values
-// are cheap to copy and valid as long as their document.
+// A value of a glTF file's JSON with its place in the file, and checked access to it. Within this folder what
+// cannot be read is a Refusal, which is thrown. Document::try_to() replaces a part that is refused and tells
+// it; read_gltf_scene() returns what is left as an Error. Values are cheap to copy and valid as long as their
+// document.
 #pragma once
 
 #include <cstddef>
@@ -18,6 +19,8 @@
 
 namespace tessera::core::gltf {
 
+class Document;
+
 struct Refusal {
   int line = 0;  // in the JSON; 0: no line applies
   Error error;
@@ -27,7 +30,8 @@ struct Refusal {
 class Value {
  public:
   Value() = default;  // absent
-  Value(const JsonValue* json, std::string path) : json_(json), path_(std::move(path)) {}
+  Value(const JsonValue* json, std::string path, const Document* document)
+      : json_(json), path_(std::move(path)), document_(document) {}
 
   // Members that are absent or null are absent values.
   bool exists() const { return json_ != nullptr; }
@@ -53,23 +57,37 @@ class Value {
   // The value itself. Refused if it is something else, or too large.
   float number() const;
   std::uint64_t whole() const;
+  // The same; nullopt if it is something else.
+  std::optional<std::uint64_t> as_whole() const;
 
-  // Members. `otherwise` if they are absent; refused if they are something else.
-  float number_or(std::string_view key, float otherwise) const;
+  // A member that the layout of bytes depends on. `otherwise` if it is absent; refused if it is something
+  // else.
   std::uint64_t whole_or(std::string_view key, std::uint64_t otherwise) const;
-  bool is_true(std::string_view key) const;
+
+  // Other members. `otherwise` if they are absent, and after a warning if they are something else.
+  float number_or(std::string_view key, float otherwise) const;
+  bool is_true(std::string_view key, bool otherwise = false) const;
   Rgb color_or(std::string_view key, Rgb otherwise) const;
   Vec3 vector_or(std::string_view key, Vec3 otherwise) const;
-  // A list of `count` numbers; empty if the member is absent.
+  // A list of `count` numbers; empty if the member is absent or, after a warning, something else.
   std::vector<float> numbers(std::string_view key, std::size_t count) const;
+  // A list of any length; 0, after a warning, for what is no number.
+  std::vector<float> numbers(std::string_view key) const;
   // Empty if it is absent or no text.
   std::string text(std::string_view key) const;
 
   Value extension(std::string_view name) const { return (*this)["extensions"][name]; }
 
  private:
+  // What get(member) returns.
+  template <typename T, typename Get>
+  T member_or(std::string_view key, T otherwise, const Get& get) const;
+  template <typename T, typename Get>
+  T value_or(T otherwise, const Get& get) const;
+
   const JsonValue* json_ = nullptr;
   std::string path_;
+  const Document* document_ = nullptr;
 };
 
 }  // namespace tessera::core::gltf

@@ -311,6 +311,26 @@ TEST(GltfShutter, LeavesWhatEmitsAsItIs) {
   EXPECT_THAT(warnings_of(*scene), HasSubstr("a mesh that emits light does not deform"));
 }
 
+// Nodes then stand as the file places them at rest.
+TEST(GltfAnimation, CanBeLeftOut) {
+  GltfFile file = animated("translation", "LINEAR", "VEC3", {0, 1}, {5, 0, 0, 7, 0, 0});
+  file.json["nodes"][0]["translation"] = {2, 0, 0};
+  const auto moving = load_chosen(file.text(), {});
+  ASSERT_TRUE(moving) << moving.error().message;
+  EXPECT_EQ(mesh_of(*moving).positions[0], (Vec3{5, 0, 0}));
+  EXPECT_THAT(warnings_of(*moving), HasSubstr("or none (--animation none)"));
+  const auto at_rest = load_chosen(file.text(), {select_by_name("animation", "none")});
+  ASSERT_TRUE(at_rest) << at_rest.error().message;
+  EXPECT_EQ(mesh_of(*at_rest).positions[0], (Vec3{2, 0, 0}));
+  EXPECT_EQ(warnings_of(*at_rest), "");
+  EXPECT_EQ(mistake_in_choice(file, {select_by_name("animation", "none"), select_time(1)}),
+            "model.gltf: without an animation, no time can be chosen");
+  file.json["animations"][0]["name"] = "none";
+  const auto named = load_chosen(file.text(), {select_by_name("animation", "none"), select_time(1)});
+  ASSERT_TRUE(named) << named.error().message;
+  EXPECT_EQ(mesh_of(*named).positions[0], (Vec3{7, 0, 0}));
+}
+
 TEST(GltfShutter, NeedsAnAnimationAndATime) {
   GltfFile still;
   still.node({{"mesh", still.triangle()}});
@@ -329,7 +349,11 @@ TEST(GltfAnimation, SurvivesDamage) {
   ASSERT_TRUE(scene) << scene.error().message;
   EXPECT_THAT(warnings_of(*scene), HasSubstr("has no keyframes; it is ignored"));
   file.json["animations"][0]["samplers"][0]["input"] = 77;
-  EXPECT_THAT(mistake_in_choice(file, {select_time(1)}), HasSubstr("there is no accessors[77]"));
+  const auto without_times = load_chosen(file.text(), {select_time(1)});
+  ASSERT_TRUE(without_times) << without_times.error().message;
+  EXPECT_THAT(warnings_of(*without_times),
+              HasSubstr("animations[0].channels[0]: it is ignored: "
+                        "animations[0].samplers[0].input: there is no accessors[77]"));
 }
 
 TEST(Selection, IsRefusedWhereThereIsNothingToChoose) {

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/gltf/instances.hpp"
+
+#include <string_view>
+#include <vector>
+
+namespace tessera::core::gltf {
+namespace {
+
+InstanceAttributes instance_attributes(const Value& list, Accessors& accessors) {
+  InstanceAttributes attributes;
+  bool is_first = true;
+  const auto read = [&](std::string_view name, std::size_t components, std::optional<Accessor>& values) {
+    if (!list[name].exists()) return;
+    values = accessors.read(list[name], components);
+    if (!is_first && values->count() != attributes.count)
+      list[name].refuse("has another count than the other attributes");
+    attributes.count = values->count();
+    is_first = false;
+  };
+  read("TRANSLATION", 3, attributes.translation);
+  read("ROTATION", 4, attributes.rotation);
+  read("SCALE", 3, attributes.scale);
+  return attributes;
+}
+
+}  // namespace
+
+Transform InstanceAttributes::transform(std::size_t i) const {
+  std::vector<float> quaternion{0, 0, 0, 1};
+  for (std::size_t c = 0; rotation && c < 4; ++c) quaternion[c] = rotation->number(i, c);
+  return placed(translation ? translation->vec3(i) : Vec3{0, 0, 0}, quaternion,
+                scale ? scale->vec3(i) : Vec3{1, 1, 1});
+}
+
+Placements placements_of(const Node& node, const Document& document, Accessors& accessors) {
+  const Value extension = node.value.extension("EXT_mesh_gpu_instancing");
+  Placements placements{node};
+  if (extension.exists())
+    document.try_to(extension, "instances", "its mesh is shown once, where the node is",
+                    [&] { placements.attributes = instance_attributes(extension["attributes"], accessors); });
+  return placements;
+}
+
+}  // namespace tessera::core::gltf
