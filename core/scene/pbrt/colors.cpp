@@ -40,16 +40,14 @@ std::optional<float> glass_index(std::string_view name) {
   return std::nullopt;
 }
 
-// Magnesia and titania, which do not absorb, at 610, 550 and 465 nm by the dispersion formulas of Stephens
-// and Malitson 1952 and of DeVore 1951 (rutile, ordinary ray).
 std::optional<ComplexIndex> named_metal(std::string_view name) {
   if (name == "Cu") return complex_index(Conductor::kCopper);
   if (name == "Au") return complex_index(Conductor::kGold);
   if (name == "Ag") return complex_index(Conductor::kSilver);
   if (name == "Al") return complex_index(Conductor::kAluminium);
   if (name == "CuZn") return complex_index(Conductor::kBrass);
-  if (name == "MgO") return ComplexIndex{{1.736f, 1.7405f, 1.75f}, {}};
-  if (name == "TiO2") return ComplexIndex{{2.598f, 2.648f, 2.776f}, {}};
+  if (name == "MgO") return complex_index(Conductor::kMagnesiumOxide);
+  if (name == "TiO2") return complex_index(Conductor::kTitaniumDioxide);
   return std::nullopt;
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/scene/import/emission_only.hpp"
 #include "core/scene/loader/gunzip.hpp"
 #include "core/scene/loader/wording.hpp"
 #include "core/scene/pbrt/files.hpp"
@@ -89,8 +90,13 @@ Status Interpreter::run() {
   if (auto read = run_file({}, builder_.scene_path(), 0); !read) return read;
   if (!in_world_)
     if (auto started = start_world(); !started) return started;
+  if (auto added = add_waiting_shapes(); !added) return added;
   tell_unused_attributes();
-  return lights_.finish();
+  if (auto finished = lights_.finish(); !finished) return finished;
+  if (shows_emission_only(view_) && !show_emission_only(builder_.scene()))
+    report_.warn(view_.integrator->parameters.place(),
+                 "media whose scattering has a grid of its own do not weaken light at a maximum depth of 0");
+  return {};
 }
 
 void Interpreter::tell_unused_attributes() const {

@@ -119,6 +119,9 @@ class Interpreter {
   Status read_setting(File& file, std::optional<KindAndParameters>& setting);
   Status start_world();
   void tell_unused_attributes() const;
+  // Adds a shape, at the end if its material is not made yet.
+  Status add_shape(const std::string& kind, const Parameters& given, ShapePlacement placement);
+  Status add_waiting_shapes();
   MediumInterface media_here(const Place& place) const;
 
   SceneBuilder& builder_;
@@ -131,6 +134,13 @@ class Interpreter {
   Media media_{builder_, report_, colors_};
   Surfaces surfaces_{builder_, report_, materials_, baker_};
   Shapes shapes_{builder_, report_, surfaces_, textures_};
+
+  struct WaitingShape {
+    std::string kind;
+    Parameters parameters;
+    ShapePlacement placement;
+  };
+  std::vector<WaitingShape> waiting_shapes_;
 
   GraphicsState state_;
   struct SavedState {

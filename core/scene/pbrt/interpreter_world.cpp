@@ -44,10 +44,7 @@ Status Interpreter::make_named_material(File& file) {
 Status Interpreter::named_material(File& file) {
   const auto name = text(file);
   if (!name) return fail(name.error());
-  state_.material = materials_.find(*name);
-  if (!state_.material)
-    report_.warn(place(file), "unknown material",
-                 fmt::format("there is no material {} yet; gray is used", in_quotes(*name)));
+  state_.material = materials_.find(*name, place(file));
   return {};
 }
 
@@ -132,12 +129,29 @@ Status Interpreter::shape(File& file) {
   }
   if (object_) placement.to_world = still_transform(place(file), "a shape of an object");
   auto motion = object_ ? std::nullopt : motion_here(place(file));
-  if (!motion) return shapes_.add(*kind, *given, std::move(placement));
+  if (!motion) return add_shape(*kind, *given, std::move(placement));
   const std::string name = fmt::format("shape in line {}", file.line);
   placement.object = builder_.add_object(name);
   placement.to_world = {};
   add_moving(*placement.object, *std::move(motion), name, place(file));
-  return shapes_.add(*kind, *given, std::move(placement));
+  return add_shape(*kind, *given, std::move(placement));
+}
+
+Status Interpreter::add_shape(const std::string& kind, const Parameters& given, ShapePlacement placement) {
+  if (!materials_.is_made(placement.surface.material)) {
+    waiting_shapes_.push_back({kind, given, std::move(placement)});
+    return {};
+  }
+  placement.surface.material = materials_.resolved(placement.surface.material);
+  return shapes_.add(kind, given, std::move(placement));
+}
+
+Status Interpreter::add_waiting_shapes() {
+  if (auto finished = materials_.finish(); !finished) return finished;
+  for (WaitingShape& shape : std::exchange(waiting_shapes_, {}))
+    if (auto added = add_shape(shape.kind, shape.parameters, std::move(shape.placement)); !added)
+      return added;
+  return {};
 }
 
 Status Interpreter::object_begin(File& file) {

@@ -9,12 +9,13 @@
 #include "core/math/elementary.hpp"
 #include "core/scene/loader/wording.hpp"
 #include "core/scene/pbrt/files.hpp"
+#include "core/scene/pbrt/measured_media.hpp"
 #include "core/scene/tables/material_tables.hpp"
 
 namespace tessera::core::pbrt {
 namespace {
 
-constexpr float kUnbounded = 1e30f;
+constexpr float kUnbounded = 1e30f, kMaxMeanCosine = 0.999f;
 
 // The imaginary index with which a metal of real index 1 reflects `reflectance` at normal incidence.
 float index_for_reflectance(float reflectance) {
@@ -41,11 +42,6 @@ Rgb diffuse_reflectance(Rgb absorption, Rgb scattering, float index) {
 
 }  // namespace
 
-std::optional<int> Materials::find(const std::string& name) const {
-  const auto found = names_.find(name);
-  return found == names_.end() ? std::nullopt : std::optional(found->second);
-}
-
 int Materials::default_material() {
   if (!default_) {
     Material gray;
@@ -58,13 +54,20 @@ int Materials::default_material() {
 
 // pbrt's BSDFs know the shading normal only.
 int Materials::add(Material material) {
-  material.shading_normals = ShadingNormals::kPlain;
-  textured_.push_back(has_texture(material));
-  materials_.push_back(std::move(material));
-  return static_cast<int>(materials_.size()) - 1;
+  slots_.emplace_back();
+  set(static_cast<int>(slots_.size()) - 1, std::move(material));
+  return static_cast<int>(slots_.size()) - 1;
 }
 
-// Parts of mixtures stand before them.
+void Materials::set(int index, Material material) {
+  material.shading_normals = ShadingNormals::kPlain;
+  Slot& made = slot(index);
+  made.is_textured = has_texture(material);
+  made.material = std::move(material);
+  made.state = State::kMade;
+}
+
+// Parts of mixtures are made before them.
 bool Materials::has_texture(const Material& material) const {
   bool found = false;
   visit_keys(material, [&](const auto&, const auto& value) {
@@ -78,16 +81,24 @@ bool Materials::has_texture(const Material& material) const {
 }
 
 Result<int> Materials::add(const std::string& type, const Parameters& p, const std::string& name) {
+  const std::string shown = name.empty()
+                                ? fmt::format("{} {}", type.empty() ? "interface" : type, slots_.size() + 1)
+                                : printable(name);
+  if (type == "mix" && !has_parts(p)) return add_waiting(p, shown);
+  auto made = make(type, p, shown);
+  if (!made) return fail(made.error());
+  return add(std::move(*made));
+}
+
+Result<Material> Materials::make(const std::string& type, const Parameters& p, const std::string& name) {
   Material material;
-  material.name = name.empty()
-                      ? fmt::format("{} {}", type.empty() ? "interface" : type, materials_.size() + 1)
-                      : printable(name);
+  material.name = name;
   auto made = model(type, p);
   if (!made) return fail(made.error());
   material.model = std::move(*made);
   if (auto added = add_relief(p, material); !added) return fail(added.error());
   report_.tell(p, fmt::format("the material '{}'", type));
-  return add(std::move(material));
+  return material;
 }
 
 Materials::Model Materials::model(const std::string& type, const Parameters& p) {
@@ -104,32 +115,6 @@ Materials::Model Materials::model(const std::string& type, const Parameters& p) 
   if (type == "hair") return hair(p);
   if (type == "mix") return mix(p);
   return earlier_model(type, p);
-}
-
-// Materials of pbrt-v3.
-Materials::Model Materials::earlier_model(const std::string& type, const Parameters& p) {
-  constexpr std::string_view kKnown[] = {"matte", "plastic",   "metal",       "glass", "mirror",
-                                         "uber",  "substrate", "translucent", "disney"};
-  if (std::find(std::begin(kKnown), std::end(kKnown), type) == std::end(kKnown)) return unknown(type, p);
-  const std::string text =
-      fmt::format("the material {} is one of pbrt-v3; the nearest of pbrt-v4 is used", in_quotes(type));
-  report_.warn(p.place(), text, text);
-  if (type == "matte") return diffuse(p, "Kd");
-  if (type == "plastic") return plastic_of_version_3(p, 0.1f);
-  if (type == "substrate") return plastic_of_version_3(p, 0.1f);
-  if (type == "metal") return conductor(p, "");
-  if (type == "glass") return glass_of_version_3(p);
-  if (type == "uber") return uber_of_version_3(p);
-  if (type == "disney") return disney_of_version_3(p);
-  if (type == "translucent") {
-    auto reflected = color(p, "Kd", Rgb::gray(0.25f));
-    if (!reflected) return fail(reflected.error());
-    const Rgb half = reflected->value * 0.5f;
-    return DiffuseTransmission{{half, reflected->texture}, {half, reflected->texture}};
-  }
-  auto reflectance = color(p, "Kr", Rgb::gray(0.9f));
-  if (!reflectance) return fail(reflectance.error());
-  return Mirror{*reflectance};
 }
 
 Materials::Model Materials::unknown(const std::string& type, const Parameters& p) {
@@ -149,6 +134,15 @@ Result<ColorParameter> Materials::color(const Parameters& p, std::string_view na
   return baker_.color(textures_.color(p, name, SpectrumRole::kAlbedo, otherwise), 1,
                       p.place_of(p.find(name)));
 }
+
+namespace {
+
+// Along u, or across it.
+TangentDirection tangent_of_rougher(float along_u, float along_v) {
+  return {.rotation = along_u < along_v ? 0.25f : 0.0f};
+}
+
+}  // namespace
 
 // "remaproughness": alpha is the square root of the roughness, else the roughness itself (pbrt-v4 file
 // format, "Materials"). Our roughness is the square root of alpha.
@@ -171,9 +165,10 @@ Result<Materials::Roughness> Materials::roughness(const Parameters& p, const std
   if (along_u != nullptr && along_v != nullptr) {
     const float a = ours(along_u->r) * ours(along_u->r), b = ours(along_v->r) * ours(along_v->r);
     if (a == b) return Roughness{std::sqrt(a), 0};
-    if (may_differ && a > b && b > 0) {
-      const float ratio = b / a;
-      return Roughness{std::sqrt(std::min(1.0f, a * std::sqrt((1 + ratio * ratio) / 2))), 1 - ratio};
+    if (may_differ && a > 0 && b > 0) {
+      const float rougher = std::max(a, b), ratio = std::min(a, b) / rougher;
+      return Roughness{std::sqrt(std::min(1.0f, rougher * std::sqrt((1 + ratio * ratio) / 2))), 1 - ratio,
+                       tangent_of_rougher(a, b)};
     }
     report_.warn(place, "roughness that differs along u and v is not supported here; its mean is used");
     return Roughness{std::sqrt(std::sqrt(a * b)), 0};
@@ -262,6 +257,7 @@ Materials::Model Materials::conductor(const Parameters& p, const std::string& pr
   if (!rough) return fail(rough.error());
   metal.roughness = rough->value;
   metal.anisotropy = rough->anisotropy;
+  metal.tangent = rough->tangent;
   return metal;
 }
 
@@ -274,7 +270,7 @@ Materials::Model Materials::coated_conductor(const Parameters& p) {
                "the material 'coatedconductor' is approximated by a metal under the coat of 'principled'");
   auto metal = conductor(p, "conductor.");
   if (!metal) return metal;
-  auto coat = roughness(p, "interface.", 0, false);
+  auto coat = roughness(p, "interface.", 0, true);
   if (!coat) return fail(coat.error());
   const auto& base = std::get<ConductorMaterial>(*metal);
   const float index = index_of_refraction(p, "interface.eta", 1.5f);
@@ -283,9 +279,13 @@ Materials::Model Materials::coated_conductor(const Parameters& p) {
   const Rgb seen_from_coat = fresnel_conductor(1.0f, base.eta.value / index, base.k.value / index);
   surface.base_color = {seen_from_coat * base.specular.value, base.specular.texture};
   surface.specular_roughness = base.roughness;
+  surface.specular_roughness_anisotropy = base.anisotropy;
+  surface.tangent = base.tangent;
   surface.coat_weight = 1;
   surface.coat_ior = index;
   surface.coat_roughness = coat->value;
+  surface.coat_roughness_anisotropy = coat->anisotropy;
+  surface.coat_tangent = coat->tangent;
   return surface;
 }
 
@@ -325,11 +325,9 @@ Materials::Model Materials::diffuse_transmission(const Parameters& p) {
 Materials::Model Materials::subsurface(const Parameters& p) {
   report_.warn(p.place(),
                "subsurface scattering is not supported; a coated diffuse surface of its colour is used");
-  for (const char* ignored : {"mfp", "g", "scale"})
-    if (p.has(ignored)) p.remark(ignored, "has no effect, because nothing scatters below the surface");
-  if (!p.text("name").empty())
-    report_.warn(p.place(),
-                 "named media of the material 'subsurface' are not known; those of skim milk are used");
+  // The colour of a thick body does not depend on the length of the paths inside.
+  for (const char* length : {"mfp", "scale"})
+    if (p.has(length)) p.remark(length, "has no effect, because light leaves the surface where it enters");
   Plastic plastic;
   const float index = index_of_refraction(p, "eta", 1.33f);
   plastic.ior = index;
@@ -337,16 +335,35 @@ Materials::Model Materials::subsurface(const Parameters& p) {
   auto rough = roughness(p, "", 0, false);
   if (!rough) return fail(rough.error());
   plastic.roughness = rough->value;
-  if (p.has("reflectance")) {
+  if (p.text("name").empty() && p.has("reflectance")) {
     auto reflectance = color(p, "reflectance", Rgb::gray(0.5f));
     if (!reflectance) return fail(reflectance.error());
     plastic.diffuse = *reflectance;
   } else {
-    const Rgb absorbed = colors_.color(p, "sigma_a", SpectrumRole::kUnbounded, {0.0011f, 0.0024f, 0.014f});
-    const Rgb scattered = colors_.color(p, "sigma_s", SpectrumRole::kUnbounded, {2.55f, 3.21f, 3.77f});
+    const auto [absorbed, scattered] = scattering_below(p);
     plastic.diffuse = {diffuse_reflectance(absorbed, scattered, index), -1};
   }
   return plastic;
+}
+
+// The coefficients of absorption and of reduced scattering: measured ones are reduced; others are by the mean
+// cosine (similarity theory; Jensen et al. 2001).
+std::pair<Rgb, Rgb> Materials::scattering_below(const Parameters& p) {
+  const MeasuredMedium& milk = *find_measured_medium("Wholemilk");
+  const std::string name = p.text("name");
+  if (name.empty()) {
+    const float reduction = 1 - p.number_in("g", 0, -kMaxMeanCosine, kMaxMeanCosine);
+    return {colors_.color(p, "sigma_a", SpectrumRole::kUnbounded, milk.sigma_a),
+            colors_.color(p, "sigma_s", SpectrumRole::kUnbounded, milk.sigma_s) * reduction};
+  }
+  for (const char* ignored : {"g", "reflectance", "sigma_a", "sigma_s"})
+    if (p.has(ignored)) p.remark(ignored, "is ignored, because there is a \"name\"");
+  const MeasuredMedium* named = find_measured_medium(name);
+  if (named == nullptr)
+    report_.warn(p.place(), "medium of subsurface",
+                 fmt::format("the medium {} is not known; that of whole milk is used", in_quotes(name)));
+  const MeasuredMedium& medium = named == nullptr ? milk : *named;
+  return {medium.sigma_a, medium.sigma_s};
 }
 
 Materials::Model Materials::hair(const Parameters& p) {
@@ -387,84 +404,6 @@ Materials::Model Materials::hair(const Parameters& p) {
     hair.pigment = HairPigment::kAbsorption;
   }
   return hair;
-}
-
-// The scene's material that is a part of a mixture.
-std::uint32_t Materials::part_of_mix(const Parameters& p, std::size_t part) {
-  auto names = p.texts("materials");
-  if (names.empty()) names = {p.text("namedmaterial1"), p.text("namedmaterial2")};
-  auto found = part < names.size() ? find(names[part]) : std::nullopt;
-  if (!found) {
-    report_.warn(p.place(), "a part of a mixture of materials is not defined; gray is used");
-    found = default_material();
-  }
-  const auto known = parts_.find(*found);
-  if (known != parts_.end()) return known->second;
-  const std::uint32_t index = builder_.add_material(at(*found));
-  parts_.emplace(*found, index);
-  return index;
-}
-
-Materials::Model Materials::mix(const Parameters& p) {
-  if (p.texts("materials").size() > 2)
-    p.remark("materials", "has more than two names; the first two are mixed");
-  if (const Parameter* amount = p.find("amount"); amount != nullptr && amount->type == "float")
-    p.number_in("amount", 0.5f, 0, 1);  // remarks on what is clamped
-  const std::uint32_t first = part_of_mix(p, 0), second = part_of_mix(p, 1);
-  auto weight = baker_.scalar(textures_.number(p, "amount", 0.5f), 1, p.place());
-  if (!weight) return fail(weight.error());
-  return Blend{first, second, *weight};
-}
-
-Materials::Model Materials::plastic_of_version_3(const Parameters& p, float default_roughness) {
-  auto diffuse = color(p, "Kd", Rgb::gray(0.25f));
-  if (!diffuse) return fail(diffuse.error());
-  auto specular = color(p, "Ks", Rgb::gray(0.25f));
-  if (!specular) return fail(specular.error());
-  auto rough = roughness(p, "", default_roughness, false);
-  if (!rough) return fail(rough.error());
-  Plastic plastic;
-  plastic.diffuse = *diffuse;
-  plastic.specular = *specular;
-  plastic.roughness = rough->value;
-  return plastic;
-}
-
-Materials::Model Materials::glass_of_version_3(const Parameters& p) {
-  auto reflected = color(p, "Kr", Rgb::gray(1));
-  if (!reflected) return fail(reflected.error());
-  auto transmitted = color(p, "Kt", Rgb::gray(1));
-  if (!transmitted) return fail(transmitted.error());
-  auto glass = dielectric(p);
-  if (!glass) return glass;
-  auto& made = std::get<Glass>(*glass);
-  made.reflectance = *reflected;
-  made.transmittance = *transmitted;
-  made.ior = index_of_refraction(p, p.has("index") ? "index" : "eta", 1.5f);
-  return glass;
-}
-
-Materials::Model Materials::uber_of_version_3(const Parameters& p) {
-  for (const char* ignored : {"Kr", "Kt", "opacity"})
-    if (p.has(ignored))
-      report_.warn(p.place(),
-                   "Kr, Kt and opacity of the material 'uber' are not supported; they are ignored");
-  auto plastic = plastic_of_version_3(p, 0.1f);
-  if (!plastic) return plastic;
-  std::get<Plastic>(*plastic).ior = index_of_refraction(p, p.has("index") ? "index" : "eta", 1.5f);
-  return plastic;
-}
-
-Materials::Model Materials::disney_of_version_3(const Parameters& p) {
-  auto base = color(p, "color", Rgb::gray(0.5f));
-  if (!base) return fail(base.error());
-  Principled surface;
-  surface.base_color = *base;
-  surface.base_metalness = p.number_in("metallic", 0, 0, 1);
-  surface.specular_roughness = p.number_in("roughness", 0.5f, 0, 1);
-  surface.specular_ior = index_of_refraction(p, "eta", 1.5f);
-  surface.transmission_weight = p.number_in("spectrans", 0, 0, 1);
-  return surface;
 }
 
 // Bump maps and normal maps.

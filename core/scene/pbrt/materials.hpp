@@ -4,8 +4,10 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/error.hpp"
@@ -28,18 +30,44 @@ class Materials {
   // become gray, with a warning. Fails for textures beyond the limits.
   // Cryptomatte calls it by `name`; without one, by its type and number.
   Result<int> add(const std::string& type, const Parameters& p, const std::string& name = {});
-  // Names it for find(), also for the parts of later mixtures. False if another one had the name.
-  bool set_name(const std::string& name, int index) { return names_.insert_or_assign(name, index).second; }
-  std::optional<int> find(const std::string& name) const;
+  // Names it for find(), also for the parts of mixtures. False if another one had the name.
+  bool set_name(const std::string& name, int index);
+  // The index of the named material, which may be defined later; `place` uses it.
+  int find(const std::string& name, const Place& place);
+  // Whether at() is defined: the material and, of a mixture, its parts are.
+  bool is_made(int index) const { return slot(resolved(index)).state == State::kMade; }
+  // Makes all that is not: nothing more is defined. Names without a material become gray, and so do mixtures
+  // that are parts of themselves, with warnings. Fails for textures beyond the limits.
+  Status finish();
+  // The same index for all that are the same material.
+  int resolved(int index) const;
   // The gray material of shapes that were given none.
   int default_material();
 
   // Without emission, opacity and media, which are those of a shape.
-  const Material& at(int index) const { return materials_[static_cast<std::size_t>(index)]; }
-  bool is_textured(int index) const { return textured_[static_cast<std::size_t>(index)]; }
+  const Material& at(int index) const { return slot(resolved(index)).material; }
+  bool is_textured(int index) const { return slot(resolved(index)).is_textured; }
 
  private:
   using Model = Result<MaterialModel>;
+
+  enum class State {
+    kMissing,    // a name that is used, but not defined yet
+    kAlias,      // such a name, defined
+    kWaiting,    // a mixture whose parts are not all made
+    kBeingMade,  // a mixture whose parts are being made
+    kMade,
+  };
+  struct Slot {
+    Material material{};  // only its name, as long as it is not made
+    State state = State::kMissing;
+    bool is_textured = false;  // it or a part of it
+    int alias_of = -1;
+    std::vector<Place> uses{};                       // of a missing name
+    std::unique_ptr<const Parameters> parameters{};  // of a waiting mixture
+  };
+  Slot& slot(int index) { return slots_[static_cast<std::size_t>(index)]; }
+  const Slot& slot(int index) const { return slots_[static_cast<std::size_t>(index)]; }
 
   Model model(const std::string& type, const Parameters& p);
   Model earlier_model(const std::string& type, const Parameters& p);
@@ -51,6 +79,7 @@ class Materials {
   Model thin_dielectric(const Parameters& p);
   Model diffuse_transmission(const Parameters& p);
   Model subsurface(const Parameters& p);
+  std::pair<Rgb, Rgb> scattering_below(const Parameters& p);
   Model hair(const Parameters& p);
   Model mix(const Parameters& p);
   Model unknown(const std::string& type, const Parameters& p);
@@ -64,24 +93,31 @@ class Materials {
   // The square root of pbrt's alpha.
   struct Roughness {
     ScalarParameter value, anisotropy;
+    TangentDirection tangent{};
   };
   Result<Roughness> roughness(const Parameters& p, const std::string& prefix, float otherwise,
                               bool may_differ);
   float index_of_refraction(const Parameters& p, std::string_view name, float otherwise);
   int add(Material material);
+  int add_waiting(const Parameters& p, const std::string& name);
+  void set(int index, Material material);
+  Result<Material> make(const std::string& type, const Parameters& p, const std::string& name);
   bool has_texture(const Material& material) const;
-  std::uint32_t part_of_mix(const Parameters& p, std::size_t part);
+  Status finish(int index, int depth = 0);
+  // The names of the two parts of a mixture.
+  static std::vector<std::string> parts_of(const Parameters& p);
+  bool has_parts(const Parameters& p);
+  std::uint32_t part_of_mix(const Parameters& p, const std::string& name);
 
   SceneBuilder& builder_;
   const Report& report_;
   Colors& colors_;
   Textures& textures_;
   TextureBaker& baker_;
-  std::vector<Material> materials_;
-  std::vector<bool> textured_;  // each, or a part of it
+  std::vector<Slot> slots_;
   std::map<std::string, int> names_;
   std::optional<int> default_;
-  std::map<int, std::uint32_t> parts_;  // of mixtures: the scene's material
+  std::map<int, std::uint32_t> parts_;  // of mixtures: the scene's material of a resolved index
 };
 
 }  // namespace tessera::core::pbrt

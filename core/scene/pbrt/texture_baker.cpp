@@ -204,7 +204,9 @@ Result<ColorParameter> TextureBaker::convert(const TexturePtr& texture, float li
   }
   if (const auto plain = plain_image(*texture, limit)) {
     const auto& [image, factor] = *plain;
-    return ColorParameter{factor, builder_.add_texture(placed(image->image, image->wrap, image->mapping))};
+    Texture made = placed(image->image, image->wrap, image->mapping);
+    made.filter = image->filter;
+    return ColorParameter{factor, builder_.add_texture(made)};
   }
   return bake(texture, limit, place);
 }

@@ -27,7 +27,9 @@ bool is_inside(Vec2 st) {
 }
 
 Rgb image_at(const ImageNode& n, Vec2 st) {
-  return n.black_outside && !is_inside(st) ? Rgb{} : n.image->bilinear(st, n.wrap, n.wrap);
+  if (n.black_outside && !is_inside(st)) return {};
+  if (n.filter == TextureFilter::kLinear) return n.image->bilinear(st, n.wrap, n.wrap);
+  return Texture{.image = n.image, .wrap = n.wrap, .filter = n.filter}.evaluate(st);
 }
 
 // Whether the square at (s, t) is one of the second texture.

@@ -32,6 +32,7 @@ struct ImageNode {
   Wrap wrap = Wrap::kRepeat;
   UvMapping mapping{};
   bool black_outside = false;  // outside of the unit square, instead of `wrap`
+  TextureFilter filter = TextureFilter::kLinear;
 };
 
 // base * scale + offset, at least 0.

@@ -125,7 +125,7 @@ TexturePtr Textures::make_approximate(const std::string& kind, const Parameters&
 
 Result<TexturePtr> Textures::make_image(const Parameters& p, Kind type) {
   // Only the filter of pbrt's own lookups, which does not change the mean.
-  p.find("filter"), p.find("maxanisotropy"), p.find("trilinear");
+  p.find("maxanisotropy"), p.find("trilinear");
   auto base = image(p, p.text("filename"), type == Kind::kNumber);
   if (!base || constant_of(*base) != nullptr) return base;
   const float factor = p.number("scale", 1);
@@ -147,14 +147,16 @@ Result<TexturePtr> Textures::image(const Parameters& p, const std::string& file,
   const std::string wrap = p.choice("wrap", "repeat", {"repeat", "clamp", "black"});
   node.wrap = wrap == "repeat" ? Wrap::kRepeat : Wrap::kClamp;
   node.black_outside = wrap == "black";
-  if (is_number) {
+  if (p.text("filter") == "point") node.filter = TextureFilter::kNearest;
+  const std::string channel = p.text("channel");
+  if (is_number && channel.empty()) {
     auto alpha = builder_.image_file(*path, {ColorSpace::kLinear, TextureChannel::kAlpha});
     if (alpha && !is_one_texel(**alpha)) {
       node.image = *alpha;
       return make_texture(node);
     }
   }
-  auto decoded = builder_.image_file(*path, {encoding.color_space, TextureChannel::kColor});
+  auto decoded = builder_.image_file(*path, use_of_channel(encoding.color_space, channel));
   if (!decoded) {
     if (decoded.error().code == ErrorCode::kResourceExhausted) return fail(decoded.error());
     report_.warn(place, "image " + file, decoded.error().message + "; gray is used");

@@ -9,6 +9,7 @@
 
 #include "core/math/elementary.hpp"
 #include "core/scene/loader/wording.hpp"
+#include "core/scene/pbrt/realistic_lens.hpp"
 
 namespace tessera::core::pbrt {
 namespace {
@@ -25,7 +26,11 @@ float shutter_seconds(const ViewDirectives& directives) {
 class ViewConverter {
  public:
   ViewConverter(const ViewDirectives& directives, SceneBuilder& builder, const Report& report)
-      : directives_(directives), settings_(builder.scene().settings), builder_(builder), report_(report) {}
+      : directives_(directives),
+        world_from_camera_(directives.world_from_camera),
+        settings_(builder.scene().settings),
+        builder_(builder),
+        report_(report) {}
 
   Exposure convert();
 
@@ -37,6 +42,8 @@ class ViewConverter {
   void convert_integrator();
   void convert_camera();
   void convert_motion(CameraDescription& camera);
+  void focus_lens(const Parameters& p);
+  float tangent_of_film() const;
   float tangent_of(const std::string& kind, const Parameters& p) const;
   void convert_lens(const Parameters& p, float world_scale, CameraDescription& camera);
   Exposure exposure() const;
@@ -52,6 +59,8 @@ class ViewConverter {
   }
 
   const ViewDirectives& directives_;
+  AnimatedMatrix world_from_camera_;
+  std::optional<FocusedLens> lens_;  // of the camera "realistic"
   RenderSettings& settings_;
   SceneBuilder& builder_;
   const Report& report_;
@@ -137,7 +146,8 @@ Exposure ViewConverter::exposure() const {
   if (!(shutter_s > 0))
     camera.remark("shutterclose", "must be after \"shutteropen\"; the exposure is that of one second");
   const float time_s = film.positive("exposuretime").value_or(shutter_s > 0 ? shutter_s : 1);
-  const float ratio = time_s * film.positive("iso").value_or(100) / 100;
+  const float lens = lens_ ? static_cast<float>(lens_->irradiance) : 1;
+  const float ratio = lens * time_s * film.positive("iso").value_or(100) / 100;
   Exposure exposure;
   if (std::isfinite(ratio) && ratio > 0) exposure.imaging_ratio = ratio;
   const std::string sensor = film.text("sensor", "cie1931");
@@ -165,8 +175,11 @@ void ViewConverter::convert_filter() {
     otherwise = 2;
   } else if (kind != "gaussian") {
     report_.warn(p.place(),
-                 fmt::format("the pixel filter {} is not supported; a Gaussian of radius 1.5 is used",
-                             in_quotes(kind)));
+                 fmt::format("the pixel filter {} is not supported{}; a Gaussian of radius 1.5 is used",
+                             in_quotes(kind),
+                             kind == "mitchell" || kind == "sinc"
+                                 ? ", because a sum of equal samples cannot have its negative lobes"
+                                 : ""));
     for (const Parameter& parameter : p.list()) p.find(parameter.name);
     return;
   }
@@ -219,8 +232,6 @@ void ViewConverter::convert_integrator() {
     report_.warn(p.place(),
                  fmt::format("the integrator {} is not supported; path tracing is used", in_quotes(kind)));
   const int depth = p.integer("maxdepth", kDefaultMaxDepth);
-  if (depth <= 0)
-    report_.warn(p.place(), "a maximum depth of 0 shows emission alone; direct light is rendered, too");
   if (depth > kMaxDepth) p.remark("maxdepth", fmt::format("is limited to {}", kMaxDepth));
   settings_.max_depth = std::clamp(depth, 1, kMaxDepth);
   if (p.boolean("regularize", false))
@@ -265,8 +276,13 @@ Vec2 shift_of(const Parameters& p, float left, float right, float bottom, float 
   return {limited((left + right) / 2 / (right - left)), limited((bottom + top) / 2 / (top - bottom))};
 }
 
-// Lengths of the camera are in its own space.
+// Lengths of the camera are in its own space; lenses are in millimetres, in a space of metres.
 void ViewConverter::convert_lens(const Parameters& p, float world_scale, CameraDescription& camera) {
+  if (lens_) {
+    camera.aperture_radius = static_cast<float>(lens_->pupil_radius * kMetresPerMm) * world_scale;
+    camera.focus_distance = static_cast<float>(lens_->focus_distance * kMetresPerMm) * world_scale;
+    return;
+  }
   const float radius = p.number_in("lensradius", 0, 0, kMaxDistance),
               focus = p.number_in("focaldistance", 1e6f, 1e-20f, kMaxDistance);
   camera.aperture_radius = std::clamp(radius * world_scale, 0.0f, kMaxDistance);
@@ -289,26 +305,32 @@ float fov_of(const Parameters& p) {
 
 // The tangent of half the field of view along the shorter axis.
 float ViewConverter::tangent_of(const std::string& kind, const Parameters& p) const {
+  if (lens_) return tangent_of_film();
   if (kind == "perspective") return tan_half(fov_of(p));
-  if (kind != "realistic") {
-    report_.warn(p.place(),
-                 fmt::format("the camera {} is not known; a perspective one is used", in_quotes(kind)));
-    return tan_half(fov_of(p));
-  }
   report_.warn(p.place(),
-               "the camera 'realistic' is approximated by a perspective camera with a lens of 50 mm");
-  for (const char* known : {"lensfile", "aperturediameter", "focusdistance", "aperture"}) p.find(known);
-  constexpr float kFocalLengthMm = 50, kDiagonalMm = 35;
+               fmt::format("the camera {} is not known; a perspective one is used", in_quotes(kind)));
+  return tan_half(fov_of(p));
+}
+
+// The camera stands in the film; rays start at the entrance pupil.
+void ViewConverter::focus_lens(const Parameters& p) {
+  lens_ = realistic_lens(p, builder_, report_);
+  const Matrix forward = translate(0, 0, lens_->pupil_distance * kMetresPerMm);
+  world_from_camera_ = world_from_camera_ * AnimatedMatrix{forward, forward};
+}
+
+// That of half the shorter side of the film.
+float ViewConverter::tangent_of_film() const {
+  constexpr float kDiagonalMm = 35;
   const Parameters none;
-  const float diagonal_mm = parameters_of(directives_.film, none).number("diagonal", kDiagonalMm);
+  const float diagonal_mm = parameters_of(directives_.film, none).positive("diagonal").value_or(kDiagonalMm);
   const float longer = std::max(aspect(), 1 / aspect());
-  return diagonal_mm / std::sqrt(1 + longer * longer) / 2 / kFocalLengthMm;
+  return diagonal_mm / std::sqrt(1 + longer * longer) / 2 * static_cast<float>(lens_->field);
 }
 
 void ViewConverter::convert_motion(CameraDescription& camera) {
-  const AnimatedMatrix& to_world = directives_.world_from_camera;
-  if (!to_world.moves()) return;
-  const auto keys = keyed_transforms(to_world, directives_.times, shutter_open_s(directives_));
+  if (!world_from_camera_.moves()) return;
+  const auto keys = keyed_transforms(world_from_camera_, directives_.times, shutter_open_s(directives_));
   if (!keys || !animate_camera(*keys, camera, builder_.scene().animation.camera))
     report_.warn(directives_.camera->parameters.place(),
                  "no motion leads from the camera at the start to that at the end; the former counts");
@@ -316,7 +338,11 @@ void ViewConverter::convert_motion(CameraDescription& camera) {
 
 void ViewConverter::convert_camera() {
   CameraDescription camera;
-  const Matrix& to_world = directives_.world_from_camera.start;
+  const Parameters none;
+  const Parameters& p = parameters_of(directives_.camera, none);
+  const std::string kind = directives_.camera ? directives_.camera->kind : "perspective";
+  if (kind == "realistic") focus_lens(p);
+  const Matrix& to_world = world_from_camera_.start;
   // The format's space of cameras is left-handed.
   camera.mirrored = to_world.determinant() > 0;
   camera.position = to_world.point({});
@@ -326,9 +352,6 @@ void ViewConverter::convert_camera() {
   camera.look_at = look_at_along(camera.position, forward);
   camera.up = up;
   convert_motion(camera);
-  const Parameters none;
-  const Parameters& p = parameters_of(directives_.camera, none);
-  const std::string kind = directives_.camera ? directives_.camera->kind : "perspective";
   const float skew = std::fabs(dot(forward, up)) + std::fabs(dot(forward, right)) + std::fabs(dot(up, right));
   if (skew > 0.01f * world_scale * world_scale || std::fabs(length(up) / world_scale - 1) > 0.01f ||
       std::fabs(length(right) / world_scale - 1) > 0.01f)
@@ -363,6 +386,11 @@ void ViewConverter::convert_camera() {
 }
 
 }  // namespace
+
+bool shows_emission_only(const ViewDirectives& directives) {
+  return directives.integrator &&
+         directives.integrator->parameters.integer("maxdepth", kDefaultMaxDepth) <= 0;
+}
 
 float shutter_open_s(const ViewDirectives& directives) {
   return directives.camera ? directives.camera->parameters.number("shutteropen", 0) : 0;

@@ -27,6 +27,8 @@ struct ViewDirectives {
   TransformTimes times{};
 };
 
+// Whether the maximum depth is that of light that nothing scatters.
+bool shows_emission_only(const ViewDirectives& directives);
 // When the shutter opens: frame 0, with a frame for each second.
 float shutter_open_s(const ViewDirectives& directives);
 // Lets the camera, which is set already, expose for the time of the directives: something moves.

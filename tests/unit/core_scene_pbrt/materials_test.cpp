@@ -52,6 +52,13 @@ TEST(PbrtMaterials, AnisotropyOfMetals) {
   const float along = metal.roughness.value * metal.roughness.value * std::sqrt(2 / (1 + narrow * narrow));
   EXPECT_NEAR(along, 0.4, 1e-5);
   EXPECT_NEAR(along * narrow, 0.1, 1e-5);
+  EXPECT_TRUE(is_along_u(metal.tangent));
+  const auto across = model_of<ConductorMaterial>(
+      "Material \"conductor\" \"float uroughness\" 0.1 \"float vroughness\" 0.4 \"bool remaproughness\" "
+      "false");
+  EXPECT_EQ(across.anisotropy.value, metal.anisotropy.value);
+  EXPECT_EQ(across.roughness.value, metal.roughness.value);
+  EXPECT_EQ(across.tangent.rotation.value, 0.25f);
 }
 
 TEST(PbrtMaterials, CoatedDiffuseIsPlastic) {
@@ -122,6 +129,47 @@ TEST(PbrtMaterials, MixturesNameTheirParts) {
   EXPECT_FLOAT_EQ(blend.weight.value, 0.25f);
 }
 
+// As in pbrt, all names are known in the whole file.
+TEST(PbrtMaterials, NamesMayBeUsedBeforeTheyAreDefined) {
+  const SceneDescription scene =
+      pbrt_world("NamedMaterial \"both\"\n" + kPbrtTriangle +
+                 "MakeNamedMaterial \"both\" \"string type\" \"mix\" \"string materials\" [\"a\" \"b\"]\n"
+                 "Shape \"sphere\" MakeNamedMaterial \"b\" \"string type\" \"conductor\"\n"
+                 "MakeNamedMaterial \"a\" \"string type\" \"dielectric\"");
+  EXPECT_EQ(warnings_of(scene), "");
+  ASSERT_EQ(scene.shapes.size(), 2u);
+  std::uint32_t of_sphere = 0, of_mesh = 0;
+  for (const auto& shape : scene.shapes) {
+    if (const auto* mesh = std::get_if<MeshDescription>(&shape)) of_mesh = mesh->triangle_materials.at(0);
+    if (const auto* sphere = std::get_if<SphereDescription>(&shape)) of_sphere = sphere->material;
+  }
+  EXPECT_EQ(of_mesh, of_sphere);
+  const auto& blend = std::get<Blend>(scene.materials.at(of_mesh).model);
+  EXPECT_TRUE(std::holds_alternative<Glass>(scene.materials.at(blend.first).model));
+  EXPECT_TRUE(std::holds_alternative<ConductorMaterial>(scene.materials.at(blend.second).model));
+  EXPECT_EQ(scene.materials.at(of_mesh).name, "both");
+}
+
+TEST(PbrtMaterials, ShapesOfObjectsWaitForTheirMaterials) {
+  const SceneDescription scene = pbrt_world(
+      "ObjectBegin \"o\" NamedMaterial \"late\" Shape \"sphere\" ObjectEnd ObjectInstance \"o\"\n"
+      "MakeNamedMaterial \"late\" \"string type\" \"conductor\"");
+  EXPECT_EQ(warnings_of(scene), "");
+  ASSERT_EQ(scene.materials.size(), 1u);
+  EXPECT_TRUE(std::holds_alternative<ConductorMaterial>(scene.materials[0].model));
+}
+
+TEST(PbrtMaterials, MixturesThatArePartsOfThemselvesAreTold) {
+  const SceneDescription scene = pbrt_world(
+      "MakeNamedMaterial \"a\" \"string type\" \"mix\" \"string materials\" [\"b\" \"c\"]\n"
+      "MakeNamedMaterial \"b\" \"string type\" \"mix\" \"string materials\" [\"a\" \"c\"]\n"
+      "MakeNamedMaterial \"c\" \"string type\" \"conductor\" NamedMaterial \"a\"\n" +
+      kPbrtTriangle);
+  EXPECT_THAT(warnings_of(scene), HasSubstr("scene.pbrt:3: a mixture of materials is a part of itself"));
+  const auto& mesh = std::get<MeshDescription>(scene.shapes.at(0));
+  EXPECT_TRUE(std::holds_alternative<Blend>(scene.materials.at(mesh.triangle_materials.at(0)).model));
+}
+
 TEST(PbrtMaterials, CoatedMetalIsPrincipled) {
   const auto coated = model_of<Principled>(
       "Material \"coatedconductor\" \"rgb conductor.eta\" [1 1 1] \"rgb conductor.k\" [3 3 3] "
@@ -131,6 +179,13 @@ TEST(PbrtMaterials, CoatedMetalIsPrincipled) {
   EXPECT_NEAR(coated.specular_roughness.value, 0.5, 1e-6);
   // Seen from inside of the coat.
   EXPECT_NEAR(coated.base_color.value.r, fresnel_conductor(1.0f, Rgb::gray(1 / 1.5f), Rgb::gray(2)).r, 1e-5);
+  const auto brushed = model_of<Principled>(
+      "Material \"coatedconductor\" \"float conductor.uroughness\" 0.1 \"float conductor.vroughness\" 0.2 "
+      "\"float interface.uroughness\" 0.2 \"float interface.vroughness\" 0.1 \"bool remaproughness\" false");
+  EXPECT_NEAR(brushed.specular_roughness_anisotropy.value, 0.5, 1e-6);
+  EXPECT_EQ(brushed.tangent.rotation.value, 0.25f);
+  EXPECT_NEAR(brushed.coat_roughness_anisotropy.value, 0.5, 1e-6);
+  EXPECT_EQ(brushed.coat_tangent.rotation.value, 0);
 }
 
 TEST(PbrtMaterials, MaterialsOfVersion3) {
@@ -158,6 +213,22 @@ TEST(PbrtMaterials, Hair) {
             HairPigment::kReflectance);
 }
 
+TEST(PbrtMaterials, SubsurfaceHasTheColourOfItsMedium) {
+  const auto diffuse = [](const std::string& parameters) {
+    return model_of<Plastic>("Material \"subsurface\" " + parameters).diffuse.value;
+  };
+  const Rgb ketchup = diffuse("\"string name\" \"Ketchup\"");
+  EXPECT_GT(ketchup.r, 3 * ketchup.b);
+  EXPECT_EQ(ketchup, diffuse("\"rgb sigma_s\" [0.18 0.07 0.03] \"rgb sigma_a\" [0.061 0.97 1.45]"));
+  EXPECT_EQ(diffuse(""), diffuse("\"string name\" \"Wholemilk\""));
+  // Only reduced scattering counts.
+  expect_color(diffuse("\"rgb sigma_s\" [1 2 3] \"rgb sigma_a\" [1 1 1] \"float g\" 0.5"),
+               diffuse("\"rgb sigma_s\" [0.5 1 1.5] \"rgb sigma_a\" [1 1 1]"), 1e-6f);
+  expect_color(diffuse("\"rgb reflectance\" [0.3 0.5 0.7] \"rgb mfp\" [1 2 3]"), {0.3f, 0.5f, 0.7f});
+  EXPECT_THAT(warnings_of(pbrt_world("Material \"subsurface\" \"string name\" \"tar\" Shape \"sphere\"")),
+              HasSubstr("the medium 'tar' is not known; that of whole milk"));
+}
+
 TEST(PbrtMaterials, WhatIsNotSupportedIsGray) {
   const SceneDescription scene =
       pbrt_world("Material \"measured\" \"string filename\" \"paint.bsdf\"\nShape \"sphere\"");
@@ -168,7 +239,7 @@ TEST(PbrtMaterials, WhatIsNotSupportedIsGray) {
   EXPECT_THAT(warnings_of(pbrt_world("Material \"subsurface\" Shape \"sphere\"")),
               HasSubstr("subsurface scattering"));
   EXPECT_THAT(warnings_of(pbrt_world("NamedMaterial \"gone\" Shape \"sphere\"")),
-              HasSubstr("there is no material 'gone' yet; gray is used"));
+              HasSubstr("there is no material 'gone'; gray is used"));
 }
 
 TEST(PbrtMaterials, BumpsNormalMapsAndAlpha) {

@@ -2,6 +2,9 @@
 // Textures of pbrt files: constants, images, and what is evaluated into images.
 #include <gmock/gmock.h>
 
+#include <array>
+
+#include "core/image/encode.hpp"
 #include "core/image/srgb.hpp"
 #include "tests/unit/core_scene_pbrt/pbrt_scene.hpp"
 
@@ -18,7 +21,7 @@ class Reflectance {
                           files)) {}
 
   const ColorParameter& parameter() const { return std::get<Lambert>(scene_.materials.at(0).model).albedo; }
-  Rgb at(float u, float v) const { return parameter().evaluate(scene_.textures, {u, v}); }
+  Rgb at(float u, float v) const { return parameter().evaluate(scene_.textures, Vec2{u, v}); }
   const SceneDescription& scene() const { return scene_; }
 
  private:
@@ -30,6 +33,40 @@ MemoryAssets::Files four_colors() {
   Image image(2, 2);
   image.pixels = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   return {{"four.png", png(image)}};
+}
+
+// One pixel of the channels R, G, B, Depth.Z, Tint.R, Tint.G and Tint.B with the values 1/8 to 7/8.
+std::string layered_exr() {
+  static constexpr std::array kValues{0.125f, 0.25f, 0.375f, 0.5f, 0.625f, 0.75f, 0.875f};
+  ChannelRows source;
+  source.width = source.height = 1;
+  source.channels = {"R", "G", "B", "Depth.Z", "Tint.R", "Tint.G", "Tint.B"};
+  source.row = [](int) -> Result<const float*> { return kValues.data(); };
+  return encode_channels(source, ImageFormat::kExr, {}).value_or("");
+}
+
+TEST(PbrtTextures, ChannelsOfOpenExrFilesHaveNames) {
+  const auto color = [](const std::string& channel) {
+    return Reflectance(
+               "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.exr\" \"string "
+               "channel\" \"" +
+                   channel + "\"",
+               {{"a.exr", layered_exr()}})
+        .at(0.5f, 0.5f);
+  };
+  EXPECT_EQ(color("Tint"), (Rgb{0.625f, 0.75f, 0.875f}));
+  EXPECT_EQ(color("Depth.Z"), Rgb::gray(0.5f));
+  EXPECT_EQ(color("g"), Rgb::gray(0.25f));
+}
+
+TEST(PbrtTextures, TheFilterPointIsTheNearestTexel) {
+  const Reflectance surface(
+      "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"four.png\" \"string filter\" "
+      "\"point\"",
+      four_colors());
+  expect_color(surface.at(0.49f, 0.51f), {0, 0, 0}, 1e-5f);
+  expect_color(surface.at(0.51f, 0.51f), {1, 0, 0}, 1e-5f);
+  expect_color(surface.at(0.49f, 0.49f), {0, 1, 0}, 1e-5f);
 }
 
 TEST(PbrtTextures, ConstantsNeedNoImage) {
@@ -109,8 +146,8 @@ TEST(PbrtTextures, NumbersOfColouredImagesAreMeans) {
           kPbrtTriangle,
       four_colors());
   const ScalarParameter& roughness = std::get<Glass>(scene.materials.at(0).model).roughness;
-  EXPECT_NEAR(roughness.evaluate(scene.textures, {0.25f, 0.75f}), 0, 1e-3);
-  EXPECT_NEAR(roughness.evaluate(scene.textures, {0.25f, 0.25f}), 0.57735, 1e-3);
+  EXPECT_NEAR(roughness.evaluate(scene.textures, Vec2{0.25f, 0.75f}), 0, 1e-3);
+  EXPECT_NEAR(roughness.evaluate(scene.textures, Vec2{0.25f, 0.25f}), 0.57735, 1e-3);
 }
 
 TEST(PbrtTextures, TexturedTrianglesGetTextureCoordinates) {

@@ -2,7 +2,12 @@
 // Cameras, films, filters, samplers and integrators of pbrt files.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "core/camera/camera.hpp"
+#include "core/scene/pbrt/lens_system.hpp"
 #include "tests/unit/core_scene_pbrt/pbrt_scene.hpp"
 
 namespace tessera::core::test {
@@ -103,6 +108,71 @@ TEST(PbrtView, LensesAreInTheSpaceOfTheCamera) {
       seen_by("Scale 0.5 0.5 0.5 Camera \"perspective\" \"float lensradius\" 0.1 \"float focaldistance\" 3");
   EXPECT_NEAR(scene.camera.aperture_radius, 0.2, 1e-6);
   EXPECT_NEAR(scene.camera.focus_distance, 6, 1e-5);
+}
+
+// A thin lens of 50 mm at f / 2.5, with its stop.
+const MemoryAssets::Files kThinLens{
+    {"thin.dat", "# radius thickness index diameter\n50 0 1.5 40\n-50 0 1 40\n0 50 0 30\n"}};
+
+SceneDescription seen_through(const std::string& lens, const MemoryAssets::Files& files) {
+  return pbrt_scene(
+      "Camera \"realistic\" \"string lensfile\" \"" + lens +
+          "\" \"float aperturediameter\" 20 \"float focusdistance\" 2\n"
+          "Film \"rgb\" \"integer xresolution\" 60 \"integer yresolution\" 40 \"float "
+          "diagonal\" 43.2666\nWorldBegin Shape \"sphere\" LightSource \"point\" \"rgb I\" [1 1 1]\n",
+      files);
+}
+
+// Of thin lenses: 1 / image + 1 / object = 1 / f, with image + object = 2 m.
+TEST(PbrtView, LensFilesGiveTheFieldOfViewTheLensAndTheExposure) {
+  const SceneDescription scene = seen_through("thin.dat", kThinLens);
+  const double image = 1000 - std::sqrt(1000.0 * 1000 - 2000 * 50), object = 2000 - image;
+  EXPECT_NEAR(static_cast<double>(scene.camera.vertical_fov_degrees),
+              2 * std::atan(12 / image) * 180 / std::numbers::pi, 1e-2);
+  EXPECT_NEAR(static_cast<double>(scene.camera.aperture_radius), 0.01, 1e-6);
+  EXPECT_NEAR(static_cast<double>(scene.camera.focus_distance), object / 1000, 1e-5);
+  EXPECT_NEAR(static_cast<double>(std::fabs(scene.camera.position.z)), image / 1000, 1e-5);
+  EXPECT_NEAR(static_cast<double>(std::get<PointLightDescription>(scene.lights.at(0)).intensity.g),
+              std::numbers::pi * (10 / image) * (10 / image), 1e-4);
+  EXPECT_THAT(warnings_of(scene), HasSubstr("with a thin lens"));
+}
+
+// A plano-convex lens of 100 mm whose stop is 20 mm behind it: the pupil is 20 / (1 - 20 / 100) mm behind,
+// and larger by the same factor.
+TEST(PbrtView, TheEntrancePupilIsTheImageOfTheStop) {
+  const auto lens = pbrt::focused({{50, 0, 1.5, 80}, {0, 20, 1, 80}, {0, 80, 0, 16}}, 1e9);
+  ASSERT_TRUE(lens);
+  EXPECT_NEAR(lens->focal_length, 100, 1e-9);
+  EXPECT_NEAR(lens->pupil_radius, 10, 1e-9);
+  EXPECT_NEAR(lens->pupil_distance, 75, 1e-4);
+  EXPECT_NEAR(lens->field, 0.01, 1e-6);
+}
+
+TEST(PbrtView, BrokenLensesBecomeOneOf50Mm) {
+  for (const char* text : {"50 0 1.5", "a b c d", "", "-50 0 1.5 40 50 0 1 40", "50 0 1.5 -1 -50 0 1 40"})
+    EXPECT_THAT(warnings_of(seen_through("a.dat", {{"a.dat", text}})),
+                HasSubstr("'a.dat' cannot be read; a lens of 50 mm"))
+        << text;
+}
+
+// Of lamps and media; scattered light has a depth of 1 at least.
+TEST(PbrtView, AMaximumDepthOf0ShowsEmissionOnly) {
+  const SceneDescription scene = pbrt_scene(
+      "Integrator \"volpath\" \"integer maxdepth\" 0\nWorldBegin Material \"conductor\"\n"
+      "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" "
+      "[3 3 3] \"rgb Le\" [8 8 8]\n"
+      "MediumInterface \"fog\" \"\" Shape \"sphere\"\n"
+      "AreaLightSource \"diffuse\" \"rgb L\" [1 2 3]\n" +
+      kPbrtTriangle);
+  EXPECT_EQ(warnings_of(scene), "");
+  for (const Material& material : scene.materials)
+    EXPECT_EQ(std::get<Lambert>(material.model).albedo.value, Rgb{}) << material.name;
+  const auto emits = [](const Material& m) { return m.emission.value == Rgb{1, 2, 3}; };
+  EXPECT_EQ(std::count_if(scene.materials.begin(), scene.materials.end(), emits), 1);
+  ASSERT_EQ(scene.media.size(), 1u);
+  EXPECT_EQ(scene.media[0].sigma_a, Rgb::gray(4));
+  EXPECT_EQ(scene.media[0].sigma_s, Rgb{});
+  EXPECT_EQ(scene.media[0].emission, Rgb::gray(2));  // times the absorption as before
 }
 
 TEST(PbrtView, OtherCameras) {
