@@ -11,6 +11,7 @@
 #include "core/base/suggestion.hpp"
 #include "core/materials/directional_albedo.hpp"
 #include "core/scene/mitsuba/refraction.hpp"
+#include "core/scene/tables/words.hpp"
 
 namespace tessera::core::mitsuba {
 namespace {
@@ -182,6 +183,7 @@ Surface MaterialConverter::conductor(const Plugin& bsdf, const TextureSite& site
     const Roughness rough = roughness(bsdf, site);
     conductor.roughness = rough.roughness;
     conductor.anisotropy = rough.anisotropy;
+    conductor.tangent = rough.tangent;
     conductor.microfacets = rough.microfacets;
   }
   return one_sided(bsdf, conductor);
@@ -192,9 +194,13 @@ ComplexIndex MaterialConverter::metal(const Plugin& bsdf) {
   const ComplexIndex mirror{Rgb{}, Rgb::gray(1)};
   const std::string name = bsdf.text("material").value_or("none");
   if (name == "none") return mirror;
-  const auto known = metal_index(name);
+  const auto known = find_metal(name);
   if (!known) bsdf.warn(fmt::format("the metal {} is not known; aluminium replaces it", in_quotes(name)));
-  return known.value_or(complex_index(Conductor::kAluminium));
+  const Metal metal = known.value_or(Metal{});
+  if (metal.is_substitute)
+    bsdf.warn(fmt::format("the indices of {} are not known; those of {} replace them", in_quotes(name),
+                          scene_keys::kConductors[static_cast<std::size_t>(metal.conductor)]));
+  return complex_index(metal.conductor);
 }
 
 namespace {
@@ -263,11 +269,12 @@ MaterialConverter::Roughness MaterialConverter::roughness(const Plugin& bsdf, co
             kind};
   }
   const float u = in_unit(bsdf, "alpha_u", of_u).value, v = in_unit(bsdf, "alpha_v", of_v).value;
-  if (u < v || u == 0) {
-    if (u != v) bsdf.warn("the anisotropy is left out, because 'alpha_v' is larger than 'alpha_u'");
-    return {std::min(std::sqrt(std::sqrt(u * v)), 1.0f), 0, kind};
-  }
-  return {std::min(std::sqrt(std::sqrt((u * u + v * v) / 2)), 1.0f), 1 - v / u, kind};
+  const float rougher = std::max(u, v);
+  const float anisotropy = rougher > 0 ? 1 - std::min(u, v) / rougher : 0;
+  return {std::min(std::sqrt(std::sqrt((u * u + v * v) / 2)), 1.0f),
+          anisotropy,
+          kind,
+          {.rotation = u < v ? 0.25f : 0.0f}};
 }
 
 // Both are Disney's model in Mitsuba, too. The diffuse transmission of the sheet goes up to 2.
@@ -324,12 +331,14 @@ Surface MaterialConverter::blend(const Plugin& bsdf, const TextureSite& site, in
   return result;
 }
 
-std::uint32_t MaterialConverter::part(const Plugin& bsdf, const TextureSite& site, int depth) {
-  const Site key{bsdf.id(), site.layout, site.attributes};
+std::uint32_t MaterialConverter::part(const Plugin& bsdf, const TextureSite& site, int depth, bool is_back) {
+  const std::pair key{Site{bsdf.id(), site.layout, site.attributes}, is_back};
   if (const auto known = parts_.find(key); known != parts_.end()) return known->second;
   const Surface& made = surface(bsdf, site, depth);
   if (made.is_reversed) bsdf.warn("its inside and outside are exchanged, because it is part of a blend");
-  return parts_[key] = conversion_.builder.add_material(made.material);
+  Material material = made.material;
+  material.two_sided |= is_back;
+  return parts_[key] = conversion_.builder.add_material(std::move(material));
 }
 
 Surface MaterialConverter::mask(const Plugin& bsdf, const TextureSite& site, int depth) {
@@ -342,9 +351,17 @@ Surface MaterialConverter::mask(const Plugin& bsdf, const TextureSite& site, int
 }
 
 Surface MaterialConverter::two_sided(const Plugin& bsdf, const TextureSite& site, int depth) {
+  const std::vector<Plugin> sides = bsdf.children(Kind::kBsdf);
+  if (sides.size() == 2 && depth < kMaxBlendDepth) {
+    Blend model;
+    model.first = part(sides[0], site, depth + 1);
+    model.second = part(sides[1], site, depth + 1, true);
+    model.by_side = true;
+    return open(bsdf, model);
+  }
   Surface result = inner(bsdf, site, depth);
-  if (bsdf.children(Kind::kBsdf).size() > 1)
-    bsdf.warn("has the first BSDF on both sides; a second one for the back is left out");
+  if (sides.size() > 1)
+    bsdf.warn("has too many BSDFs, or is nested in blends too deeply; the first one is on both sides");
   result.material.two_sided = true;
   return result;
 }

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "core/materials/material.hpp"
 #include "core/scene/mitsuba/plugin.hpp"
@@ -65,12 +66,14 @@ class MaterialConverter {
   Surface unsupported(const Plugin& bsdf);
   // The BSDF inside of another; a gray diffuse one if it is missing.
   Surface inner(const Plugin& bsdf, const TextureSite& site, int depth);
-  std::uint32_t part(const Plugin& bsdf, const TextureSite& site, int depth);
+  // The scene's material of a part of a blend; `is_back` lights its back as its front.
+  std::uint32_t part(const Plugin& bsdf, const TextureSite& site, int depth, bool is_back = false);
 
-  // The roughness of a microfacet model, its anisotropy, and the distribution.
+  // The roughness of a microfacet model, its anisotropy and direction, and the distribution.
   struct Roughness {
     ScalarParameter roughness = 0, anisotropy = 0;
     MicrofacetKind microfacets{};
+    TangentDirection tangent{};
   };
   Roughness roughness(const Plugin& bsdf, const TextureSite& site);
   static MicrofacetKind microfacets(const Plugin& bsdf);
@@ -80,7 +83,7 @@ class MaterialConverter {
   Conversion& conversion_;
   TextureConverter& textures_;
   std::map<Site, Surface> surfaces_;
-  std::map<Site, std::uint32_t> parts_;
+  std::map<std::pair<Site, bool>, std::uint32_t> parts_;
   std::map<Use, MaterialIndex> materials_;
 };
 

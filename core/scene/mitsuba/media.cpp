@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/suggestion.hpp"
+#include "core/geometry/placement.hpp"
 #include "core/scene/loader/volume_reader.hpp"
 
 namespace tessera::core::mitsuba {
@@ -30,26 +31,39 @@ Rgb voxel(const VoxelGrid& grid, std::size_t i) {
   return {grid.values[3 * i], grid.values[3 * i + 1], grid.values[3 * i + 2]};
 }
 
-Rgb mean_of(const VoxelGrid& grid) {
-  std::array<double, 3> sum{};
-  for (std::size_t i = 0; i < grid.voxel_count(); ++i)
-    for (int c = 0; c < 3; ++c) sum[static_cast<std::size_t>(c)] += static_cast<double>(voxel(grid, i)[c]);
-  const auto count = static_cast<double>(std::max<std::size_t>(grid.voxel_count(), 1));
-  return {static_cast<float>(sum[0] / count), static_cast<float>(sum[1] / count),
-          static_cast<float>(sum[2] / count)};
-}
-
-// The voxel by voxel result of combine(extinction, albedo), in three channels.
-template <typename Combine>
-VoxelGrid combined(const VoxelGrid& extinction, const VoxelGrid& albedo, const Combine& combine) {
-  VoxelGrid result = extinction;
+// A grid of the lattice of `like`, of three channels, with value(i) in voxel i.
+template <typename Value>
+VoxelGrid colored_grid(const VoxelGrid& like, const Value& value) {
+  VoxelGrid result = like;
   result.channels = 3;
   result.values.clear();
-  for (std::size_t i = 0; i < extinction.voxel_count(); ++i) {
-    const Rgb value = combine(voxel(extinction, i), voxel(albedo, i));
-    result.values.insert(result.values.end(), {value.r, value.g, value.b});
+  for (std::size_t i = 0; i < like.voxel_count(); ++i) {
+    const Rgb c = value(i);
+    result.values.insert(result.values.end(), {c.r, c.g, c.b});
   }
   return result;
+}
+
+// The centre of a voxel in the unit cube.
+Vec3 center_of(const VoxelGrid& grid, std::size_t i) {
+  const auto along = [](std::size_t at, std::uint32_t side) {
+    return (static_cast<float>(at) + 0.5f) / static_cast<float>(side);
+  };
+  return {along(i % grid.size[0], grid.size[0]), along(i / grid.size[0] % grid.size[1], grid.size[1]),
+          along(i / grid.size[0] / grid.size[1], grid.size[2])};
+}
+
+// The values of `grid` in the voxels of another lattice. Beyond its faces they are those at the faces.
+VoxelGrid resampled(const VoxelGrid& grid, const Transform& to_world, const VoxelGrid& lattice,
+                    const Transform& lattice_to_world) {
+  std::optional<Placement> placement;
+  if (to_world != lattice_to_world && Placement::can_place(to_world)) placement.emplace(to_world);
+  return colored_grid(lattice, [&](std::size_t i) {
+    Vec3 p = center_of(lattice, i);
+    if (placement) p = placement->object_point(Vec3d(lattice_to_world.point(p))).rounded();
+    return value_at(grid,
+                    {std::clamp(p.x, 0.0f, 1.0f), std::clamp(p.y, 0.0f, 1.0f), std::clamp(p.z, 0.0f, 1.0f)});
+  });
 }
 
 Rgb clamped_to_unit(Rgb c) {
@@ -97,29 +111,48 @@ std::optional<MediumDescription> MediumConverter::convert(const Plugin& plugin) 
 
 void MediumConverter::set_coefficients(const Plugin& plugin, const Coefficient& extinction,
                                        const Coefficient& albedo, MediumDescription& medium) {
-  Coefficient scattered = albedo;
-  scattered.value = clamped_to_unit(albedo.value);
-  if (albedo.grid && (!extinction.grid || albedo.grid->size != extinction.grid->size)) {
-    plugin.warn("the mean of the albedo replaces its grid, because 'sigma_t' has no grid of the same size");
-    scattered = {clamped_to_unit(mean_of(*albedo.grid)), {}, {}};
-  }
+  if (albedo.grid) return set_grids(plugin, extinction, albedo, medium);
+  const Rgb scattered = clamped_to_unit(albedo.value);
   if (!extinction.grid) {
-    medium.sigma_s = extinction.value * scattered.value;
+    medium.sigma_s = extinction.value * scattered;
     medium.sigma_a = extinction.value - medium.sigma_s;
     return;
   }
   medium.grid_to_world = extinction.to_world;
-  if (!scattered.grid) {
-    medium.sigma_s = scattered.value;
-    medium.sigma_a = Rgb::gray(1) - scattered.value;
-    medium.absorption_grid = medium.scattering_grid = add_grid(*extinction.grid);
-    return;
+  medium.sigma_s = scattered;
+  medium.sigma_a = Rgb::gray(1) - scattered;
+  medium.absorption_grid = medium.scattering_grid = add_grid(*extinction.grid);
+}
+
+// The products of the albedo and the extinction, voxel by voxel of the finer grid. Grids in different places
+// share that of the extinction, which bounds the medium.
+void MediumConverter::set_grids(const Plugin& plugin, const Coefficient& extinction,
+                                const Coefficient& albedo, MediumDescription& medium) {
+  const bool has_two = extinction.grid.has_value();
+  const bool same_place = has_two && extinction.to_world == albedo.to_world;
+  const bool by_albedo =
+      !has_two || (same_place && albedo.grid->voxel_count() > extinction.grid->voxel_count());
+  const Coefficient& lattice = by_albedo ? albedo : extinction;
+  if (!has_two) {
+    plugin.warn("a constant 'sigma_t' ends where the grid of the albedo does");
+  } else if (!same_place || extinction.grid->size != albedo.grid->size) {
+    plugin.warn(by_albedo ? "'sigma_t' is resampled to the grid of the albedo"
+                          : "the albedo is resampled to the grid of 'sigma_t'");
   }
-  medium.sigma_s = medium.sigma_a = Rgb::gray(1);
-  const auto scatter = [](Rgb sigma, Rgb a) { return sigma * clamped_to_unit(a); };
-  const auto absorb = [](Rgb sigma, Rgb a) { return sigma * (Rgb::gray(1) - clamped_to_unit(a)); };
-  medium.scattering_grid = add_grid(combined(*extinction.grid, *scattered.grid, scatter));
-  medium.absorption_grid = add_grid(combined(*extinction.grid, *scattered.grid, absorb));
+  const auto in_lattice = [&](const Coefficient& c) {
+    if (c.grid->size == lattice.grid->size && c.to_world == lattice.to_world) return *c.grid;
+    return resampled(*c.grid, c.to_world, *lattice.grid, lattice.to_world);
+  };
+  const VoxelGrid shares = in_lattice(albedo);
+  const VoxelGrid whole = has_two ? in_lattice(extinction) : VoxelGrid{};
+  const auto extinction_in = [&](std::size_t i) { return has_two ? voxel(whole, i) : Rgb::gray(1); };
+  medium.grid_to_world = lattice.to_world;
+  medium.sigma_s = medium.sigma_a = has_two ? Rgb::gray(1) : extinction.value;
+  medium.scattering_grid = add_grid(colored_grid(
+      *lattice.grid, [&](std::size_t i) { return extinction_in(i) * clamped_to_unit(voxel(shares, i)); }));
+  medium.absorption_grid = add_grid(colored_grid(*lattice.grid, [&](std::size_t i) {
+    return extinction_in(i) * (Rgb::gray(1) - clamped_to_unit(voxel(shares, i)));
+  }));
 }
 
 MediumConverter::Coefficient MediumConverter::coefficient(const Plugin& owner, std::string_view name,

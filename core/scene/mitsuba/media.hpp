@@ -34,6 +34,9 @@ class MediumConverter {
   // Sets the coefficients of absorption and scattering, by the albedo.
   void set_coefficients(const Plugin& plugin, const Coefficient& extinction, const Coefficient& albedo,
                         MediumDescription& medium);
+  // The same for an albedo that is a grid.
+  void set_grids(const Plugin& plugin, const Coefficient& extinction, const Coefficient& albedo,
+                 MediumDescription& medium);
   int add_grid(VoxelGrid grid);
   float mean_cosine(const Plugin& plugin);
 

@@ -21,7 +21,8 @@ struct Conversion {
   Status status{};  // the first error that makes the whole scene fail: it exceeds a limit
   // Whether Mitsuba's integrator counts surfaces that light passes straight through for a limited depth.
   bool counts_passing = false;
-  float shutter_open = 0;  // the time of frame 0; each unit of time has a frame
+  bool emission_only = false;  // nothing that is scattered is seen
+  float shutter_open = 0;      // the time of frame 0; each unit of time has a frame
 
   void check(const Status& done) {
     if (!done && status) status = done;

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "core/base/printable.hpp"
+#include "core/scene/import/emission_only.hpp"
 #include "core/scene/import/front_ends.hpp"
 #include "core/scene/import/scene_builder.hpp"
 #include "core/scene/import/selection.hpp"
@@ -47,6 +48,9 @@ void convert_scene(Conversion& conversion) {
     if (!conversion.status) return;
     shapes.add(shape);
   }
+  if (conversion.emission_only && !show_emission_only(conversion.builder.scene()))
+    scene.warn(
+        "has media whose scattering has a grid of its own, which does not weaken light at 'max_depth' 1");
   // Those that shapes refer to.
   for (const Kind kind : {Kind::kBsdf, Kind::kTexture, Kind::kMedium, Kind::kVolume, Kind::kPhase})
     scene.ignore(kind);

@@ -24,11 +24,55 @@ constexpr std::pair<std::string_view, float> kDielectrics[] = {
     {"pet", 1.5750f},      {"diamond", 2.419f},
 };
 
-constexpr std::pair<std::string_view, Conductor> kMetals[] = {
-    {"Cu", Conductor::kCopper},   {"Cu_palik", Conductor::kCopper},     {"Au", Conductor::kGold},
-    {"Ag", Conductor::kSilver},   {"Al", Conductor::kAluminium},        {"CuZn", Conductor::kBrass},
-    {"Cr", Conductor::kChromium}, {"Ni_palik", Conductor::kNickel},     {"W", Conductor::kTungsten},
-    {"Hg", Conductor::kMercury},  {"TiN", Conductor::kTitaniumNitride},
+struct NamedMetal {
+  std::string_view name;
+  Metal metal;
+};
+
+// Those without published indices here have those of the nearest reflectance in the visible.
+constexpr NamedMetal kMetals[] = {
+    {"Ag", {Conductor::kSilver}},
+    {"Al", {Conductor::kAluminium}},
+    {"Au", {Conductor::kGold}},
+    {"Be", {Conductor::kBeryllium}},
+    {"Cr", {Conductor::kChromium}},
+    {"CsI", {Conductor::kCaesiumIodide}},
+    {"Cu", {Conductor::kCopper}},
+    {"Cu_palik", {Conductor::kCopper}},
+    {"CuZn", {Conductor::kBrass}},
+    {"d-C", {Conductor::kDiamond}},
+    {"Hg", {Conductor::kMercury}},
+    {"MgO", {Conductor::kMagnesiumOxide}},
+    {"Ni_palik", {Conductor::kNickel}},
+    {"SiC", {Conductor::kSiliconCarbide}},
+    {"TiN", {Conductor::kTitaniumNitride}},
+    {"TiO2", {Conductor::kTitaniumDioxide}},
+    {"TiO2-e", {Conductor::kTitaniumDioxideExtraordinary}},
+    {"W", {Conductor::kTungsten}},
+    {"a-C", {Conductor::kSiliconCarbide, true}},
+    {"AlAs", {Conductor::kTitaniumDioxideExtraordinary, true}},
+    {"AlSb", {Conductor::kTungsten, true}},
+    {"CuO", {Conductor::kSiliconCarbide, true}},
+    {"Cu2O", {Conductor::kTitaniumDioxideExtraordinary, true}},
+    {"HgTe", {Conductor::kTungsten, true}},
+    {"Ir", {Conductor::kMercury, true}},
+    {"K", {Conductor::kSilver, true}},
+    {"Li", {Conductor::kAluminium, true}},
+    {"Mo", {Conductor::kChromium, true}},
+    {"Na_palik", {Conductor::kSilver, true}},
+    {"Nb", {Conductor::kTungsten, true}},
+    {"Rh", {Conductor::kMercury, true}},
+    {"Se", {Conductor::kTitaniumDioxideExtraordinary, true}},
+    {"Se-e", {Conductor::kTitaniumDioxideExtraordinary, true}},
+    {"SnTe", {Conductor::kTungsten, true}},
+    {"Ta", {Conductor::kTungsten, true}},
+    {"Te", {Conductor::kTungsten, true}},
+    {"Te-e", {Conductor::kTungsten, true}},
+    {"ThF4", {Conductor::kMagnesiumOxide, true}},
+    {"TiC", {Conductor::kTungsten, true}},
+    {"VC", {Conductor::kTungsten, true}},
+    {"V_palik", {Conductor::kBeryllium, true}},
+    {"VN", {Conductor::kTungsten, true}},
 };
 
 char small_letter(char c) {
@@ -57,9 +101,9 @@ float refractive_index(const Plugin& plugin, std::string_view name, std::string_
   return known.value_or(missing);
 }
 
-std::optional<ComplexIndex> metal_index(std::string_view name) {
+std::optional<Metal> find_metal(std::string_view name) {
   for (const auto& [known, metal] : kMetals)
-    if (known == name) return complex_index(metal);
+    if (known == name) return metal;
   return std::nullopt;
 }
 

@@ -16,8 +16,12 @@ std::optional<float> refractive_index(std::string_view name);
 // The index of `name`, a number or the name of a dielectric; that of `otherwise` if there is none.
 float refractive_index(const Plugin& plugin, std::string_view name, std::string_view otherwise);
 
-// Of a metal by its chemical symbol: "Au". nullopt if it is unknown.
-std::optional<ComplexIndex> metal_index(std::string_view name);
+struct Metal {
+  Conductor conductor = Conductor::kAluminium;
+  bool is_substitute = false;  // another one, whose reflectance is near
+};
+// By the chemical symbol: "Au". nullopt if it is unknown.
+std::optional<Metal> find_metal(std::string_view name);
 
 // The boundary of a dielectric.
 struct Boundary {

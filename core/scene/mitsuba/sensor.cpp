@@ -75,7 +75,11 @@ PixelFilter filter_of(const Plugin& film) {
   if (type == "gaussian")
     return {FilterKind::kGaussian, kDeviations * filter->real_in("stddev", 0.5f, kMinRadiusPx / kDeviations,
                                                                  kMaxFilterRadiusPx / kDeviations)};
-  filter->warn("this filter is not supported; a Gaussian of standard deviation 0.5 replaces it");
+  const bool has_lobes = type == "mitchell" || type == "catmullrom" || type == "lanczos";
+  filter->warn(fmt::format("{}; a Gaussian of standard deviation 0.5, as wide as its middle, replaces it",
+                           has_lobes
+                               ? "this filter has negative lobes, which a sum of equal samples cannot have"
+                               : "this filter is not supported"));
   filter->ignore_all();
   return gaussian;
 }
@@ -196,8 +200,8 @@ bool set_integrator(Conversion& conversion, const Plugin& integrator) {
                      "block_size", "timeout", "use_nee", "max_null"});
   // Mitsuba counts the camera's segment, and the settings those after it; 0 means no limit there.
   const std::int64_t depth = integrator.integer("max_depth", type == "direct" ? 2 : -1);
-  if (depth == 0 || depth == 1)
-    integrator.warn("a 'max_depth' of 2 replaces one that is lower, so that direct light is seen, too");
+  if (depth == 0) integrator.warn("a 'max_depth' of 1 replaces 0, so that something is seen");
+  conversion.emission_only = depth == 0 || depth == 1;
   if (depth > kMaxDepth + 1) integrator.warn(fmt::format("'max_depth' is limited to {}", kMaxDepth + 1));
   conversion.builder.scene().settings.max_depth =
       depth < 0 ? 0 : static_cast<int>(std::clamp<std::int64_t>(depth - 1, 1, kMaxDepth));

@@ -192,7 +192,10 @@ TextureConverter::Value TextureConverter::bitmap(const Plugin& plugin, const Tex
   Texture result;
   result.wrap = wrap_of(plugin);
   const bool raw = plugin.flag("raw", false);
-  if (plugin.text("filter_type").value_or("bilinear") != "bilinear")
+  const std::string filter = plugin.text("filter_type").value_or("bilinear");
+  if (filter == "nearest")
+    result.filter = TextureFilter::kNearest;
+  else if (filter != "bilinear")
     plugin.warn("the filter_type is 'bilinear' instead of the one given");
   plugin.ignore({"format", "accel"});
   result.image = load(plugin, raw ? ColorSpace::kLinear : ColorSpace::kSrgb);
@@ -254,7 +257,8 @@ TextureConverter::Image TextureConverter::load(const Plugin& plugin, ColorSpace 
     plugin.warn(fmt::format("{} does not exist; it is left out", in_quotes(written)));
     return nullptr;
   }
-  auto image = conversion_.builder.image_file(*path, {color_space, TextureChannel::kColor});
+  auto image =
+      conversion_.builder.image_file(*path, use_of_channel(color_space, plugin.text("channel").value_or("")));
   if (image) return *image;
   if (image.error().code == ErrorCode::kResourceExhausted)
     conversion_.check(fail(image.error()));

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/materials/fresnel.hpp"
 #include "tests/unit/core_scene_mitsuba/mitsuba_scene.hpp"
 
 namespace tessera::core::test {
@@ -77,6 +78,11 @@ TEST(MitsubaBsdf, AlphaIsTheSquareOfRoughness) {
       "roughconductor", "<float name=\"alpha_u\" value=\"0.2\"/><float name=\"alpha_v\" value=\"0.1\"/>"));
   EXPECT_FLOAT_EQ(metal.anisotropy.value, 0.5f);
   EXPECT_NEAR(metal.roughness.value, std::sqrt(std::sqrt(0.025)), 1e-6);
+  EXPECT_TRUE(is_along_u(metal.tangent));
+  const auto across = model_of<ConductorMaterial>(rough(
+      "roughconductor", "<float name=\"alpha_u\" value=\"0.1\"/><float name=\"alpha_v\" value=\"0.2\"/>"));
+  EXPECT_FLOAT_EQ(across.anisotropy.value, 0.5f);
+  EXPECT_EQ(across.tangent.rotation.value, 0.25f);
 }
 
 TEST(MitsubaBsdf, MicrofacetsAreBeckmannsUnlessNamed) {
@@ -107,6 +113,61 @@ TEST(MitsubaBsdf, ConductorsHaveAnIndexOrReflectEverything) {
   const auto gold =
       model_of<ConductorMaterial>("<bsdf type=\"conductor\"><string name=\"material\" value=\"Au\"/></bsdf>");
   EXPECT_LT(gold.eta.value.r, gold.eta.value.b);
+}
+
+TEST(MitsubaScene, AMaximumDepthOf1ShowsEmissionOnly) {
+  const SceneDescription scene = scene_of(
+      "<integrator type=\"path\"><integer name=\"max_depth\" value=\"1\"/></integrator>"
+      "<shape type=\"rectangle\"><bsdf type=\"conductor\"/><emitter type=\"area\"/></shape>");
+  EXPECT_EQ(warnings_of(scene), "");
+  ASSERT_EQ(scene.materials.size(), 2u);  // with the sphere's
+  for (const Material& material : scene.materials)
+    EXPECT_EQ(std::get<Lambert>(material.model).albedo.value, Rgb{});
+  EXPECT_NE(scene.materials[0].emission.value, scene.materials[1].emission.value);
+}
+
+TEST(MitsubaScene, FiltersWithNegativeLobesAreTold) {
+  const SceneDescription scene = scene_of(
+      "<sensor type=\"perspective\"><film type=\"hdrfilm\"><rfilter type=\"mitchell\"/></film></sensor>");
+  EXPECT_THAT(warnings_of(scene), HasSubstr("negative lobes"));
+}
+
+TEST(MitsubaBsdf, TheSidesOfTwosidedMayDiffer) {
+  const SceneDescription scene = scene_of(
+      "<shape type=\"rectangle\"><bsdf type=\"twosided\"><bsdf type=\"diffuse\"/>"
+      "<bsdf type=\"conductor\"/></bsdf></shape>");
+  EXPECT_EQ(warnings_of(scene), "");
+  const Material& both = scene.materials.at(2);
+  const auto& blend = std::get<Blend>(both.model);
+  EXPECT_TRUE(blend.by_side);
+  EXPECT_TRUE(std::holds_alternative<Lambert>(scene.materials.at(blend.first).model));
+  const Material& back = scene.materials.at(blend.second);
+  EXPECT_TRUE(std::holds_alternative<ConductorMaterial>(back.model));
+  EXPECT_TRUE(back.two_sided);
+}
+
+TEST(MitsubaBsdf, CrystalsHaveTheirIndices) {
+  const auto reflectance = [](const std::string& name) {
+    const auto metal = model_of<ConductorMaterial>(
+        "<bsdf type=\"conductor\"><string name=\"material\" value=\"" + name + "\"/></bsdf>");
+    return fresnel_conductor(1.0f, metal.eta.value, metal.k.value).g;
+  };
+  EXPECT_NEAR(reflectance("MgO"), 0.073f, 0.001f);
+  EXPECT_NEAR(reflectance("d-C"), 0.173f, 0.001f);
+  EXPECT_NEAR(reflectance("TiO2"), 0.205f, 0.001f);
+  EXPECT_NEAR(reflectance("TiO2-e"), 0.245f, 0.001f);
+  EXPECT_NEAR(reflectance("SiC"), 0.206f, 0.001f);
+  EXPECT_NEAR(reflectance("CsI"), 0.081f, 0.001f);
+  EXPECT_NEAR(reflectance("Be"), 0.535f, 0.001f);
+}
+
+TEST(MitsubaBsdf, MetalsWithoutIndicesAreReplacedByNearOnes) {
+  const SceneDescription scene = scene_of(
+      "<shape type=\"sphere\"><bsdf type=\"conductor\"><string name=\"material\" "
+      "value=\"Rh\"/></bsdf></shape>");
+  const auto& metal = std::get<ConductorMaterial>(scene.materials.at(0).model);
+  EXPECT_EQ(metal.eta.value, complex_index(Conductor::kMercury).eta);
+  EXPECT_THAT(warnings_of(scene), HasSubstr("the indices of 'Rh' are not known; those of mercury"));
 }
 
 TEST(MitsubaBsdf, PlasticKeepsItsParameters) {
@@ -227,6 +288,16 @@ TEST(MitsubaTexture, TheFirstRowIsAtVZeroButForObjFiles) {
   EXPECT_EQ(looked_up(obj, {0.5f, 0.25f}), Rgb::gray(1));
 }
 
+TEST(MitsubaTexture, MayHaveTheFilterNearest) {
+  const SceneDescription scene =
+      textured("type=\"rectangle\">",
+               "<texture type=\"bitmap\" name=\"reflectance\"><string name=\"filename\" "
+               "value=\"t.png\"/><string name=\"filter_type\" value=\"nearest\"/></texture>",
+               {{"t.png", half_white()}});
+  EXPECT_EQ(warnings_of(scene), "");
+  EXPECT_EQ(scene.textures.at(0).filter, TextureFilter::kNearest);
+}
+
 TEST(MitsubaTexture, TransformsApplyToMitsubasCoordinates) {
   const std::string bitmap =
       "<texture type=\"bitmap\" name=\"reflectance\"><string name=\"filename\" value=\"t.png\"/>"
@@ -255,8 +326,8 @@ TEST(MitsubaTexture, CheckerboardsOfNumbersBeginWithTheSecond) {
       "<float name=\"color0\" value=\"0.75\"/><float name=\"color1\" "
       "value=\"0.25\"/></texture></bsdf></shape>");
   const auto& metallic = std::get<Disney>(scene.materials.at(0).model).metallic;
-  EXPECT_EQ(metallic.evaluate(scene.textures, {0.25f, 0.25f}), 0.25f);
-  EXPECT_EQ(metallic.evaluate(scene.textures, {0.75f, 0.25f}), 0.75f);
+  EXPECT_EQ(metallic.evaluate(scene.textures, Vec2{0.25f, 0.25f}), 0.25f);
+  EXPECT_EQ(metallic.evaluate(scene.textures, Vec2{0.75f, 0.25f}), 0.75f);
 }
 
 TEST(MitsubaTexture, MissingFilesCostTheTextureOnly) {
