@@ -2,7 +2,9 @@
 #include "core/scene/area_lights.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
 
 namespace tessera::core {
 namespace {
@@ -29,20 +31,29 @@ CylinderLight cylinder_light(const Cylinder& cylinder) {
   return {t.origin, t.z_axis, t.x_axis, t.y_axis, cylinder.flipped()};
 }
 
-LightShape shape_of(const Primitives& primitives, std::uint32_t p) {
+TriangleLight triangle_light(const Primitives& primitives, std::uint32_t p, bool is_textured) {
+  const auto [p0, p1, p2] = primitives.triangle_corners(p);
+  if (!is_textured) return {p0, p1, p2};
+  const auto first = primitives.triangle_uvs(p), second = primitives.triangle_uvs(p, UvSet::kSecond);
+  std::array<UvSets, 3> uvs;
+  for (std::size_t corner = 0; corner < 3; ++corner) uvs[corner] = UvSets(first[corner], second[corner]);
+  return {p0, p1, p2, std::make_shared<const std::array<UvSets, 3>>(uvs)};
+}
+
+// `is_textured`: whether its radiance or opacity has a texture.
+LightShape shape_of(const Primitives& primitives, std::uint32_t p, bool is_textured) {
   if (primitives.is_sphere(p)) return SphereLight{primitives.sphere(p).center, primitives.sphere(p).radius};
   if (primitives.is_disk(p)) {
     const Disk& d = primitives.disk(p);
     return DiskLight{d.center, d.radius_u, d.radius_v, d.inner};
   }
   if (primitives.is_cylinder(p)) return cylinder_light(primitives.cylinder(p));
-  const auto [p0, p1, p2] = primitives.triangle_corners(p);
-  const auto [uv0, uv1, uv2] = primitives.triangle_uvs(p);
-  return TriangleLight{p0, p1, p2, uv0, uv1, uv2};
+  return triangle_light(primitives, p, is_textured);
 }
 
-// Calls add(shape, first primitive) for all triangles, quads and other shapes for which emissive(primitive),
-// and records the returned light index for each primitive of the shape, up to the last emissive one.
+// Calls add(first primitive, quad or null) for all triangles, quads and other shapes for which
+// emissive(primitive), and records the returned light index for each primitive of the shape, up to the last
+// emissive one.
 template <typename Emissive, typename Add>
 std::vector<std::uint32_t> for_each_light_shape(const Primitives& primitives,
                                                 const std::vector<Model::Quad>& quads,
@@ -53,8 +64,7 @@ std::vector<std::uint32_t> for_each_light_shape(const Primitives& primitives,
   for (std::uint32_t p = 0, size; p < count; p += size) {
     const bool is_quad = quad != quads.end() && quad->first == p;
     size = is_quad ? 2 : 1;
-    const std::uint32_t light =
-        emissive(p) ? add(is_quad ? LightShape(quad->shape) : shape_of(primitives, p), p) : kNoLight;
+    const std::uint32_t light = emissive(p) ? add(p, is_quad ? &quad->shape : nullptr) : kNoLight;
     if (is_quad) ++quad;
     if (light == kNoLight) continue;
     lights.resize(p, kNoLight);
@@ -92,9 +102,7 @@ AreaLightFinder::AreaLightFinder(const std::vector<Material>& materials, const s
 void AreaLightFinder::find(const Primitives& primitives, const Quads& quads) {
   map_.own_ = for_each_light_shape(
       primitives, quads.own, [&](std::uint32_t p) { return mean_radiances_[primitives.material(p)] > 0; },
-      [&](const LightShape& shape, std::uint32_t p) {
-        return add_light(shape, primitives, {.primitive = p});
-      });
+      [&](std::uint32_t p, const QuadLight* quad) { return add_light(quad, primitives, {.primitive = p}); });
   find_in_instances(primitives, quads);
 }
 
@@ -129,8 +137,8 @@ LightMap::Table AreaLightFinder::find_in_instance(const Primitives& scene, std::
       [&](std::uint32_t p) {
         return mean_radiances_[scene.material({.primitive = p, .instance = number})] > 0;
       },
-      [&](const LightShape& shape, std::uint32_t p) {
-        const std::uint32_t light = add_light(shape, scene, {.primitive = p, .instance = number});
+      [&](std::uint32_t p, const QuadLight* quad) {
+        const std::uint32_t light = add_light(quad, scene, {.primitive = p, .instance = number});
         return light == kNoLight ? kNoLight : light - first;
       });
 }
@@ -146,10 +154,13 @@ std::uint32_t AreaLightFinder::share_table(const Instance& instance, LightMap::T
 }
 
 // Returns kNoLight if the light has no power. `middle` identifies the primitive.
-std::uint32_t AreaLightFinder::add_light(const LightShape& shape, const Primitives& primitives,
+std::uint32_t AreaLightFinder::add_light(const QuadLight* quad, const Primitives& primitives,
                                          const Hit& middle) {
   const std::uint32_t material_id = primitives.material(middle);
   const Material& material = materials_[material_id];
+  const bool is_textured = material.emission.texture >= 0 || material.opacity.texture >= 0;
+  const LightShape shape =
+      quad != nullptr ? LightShape(*quad) : shape_of(primitives.owner(middle), middle.primitive, is_textured);
   const SurfaceEmission emission{material.emission, mean_radiances_[material_id], material.two_sided_emission,
                                  material.opacity};
   const Light light = light_at(shape, primitives, middle, emission);

@@ -77,7 +77,8 @@ class AreaLightFinder {
   LightMap::Table find_in_instance(const Primitives& scene, std::uint32_t number,
                                    const std::vector<Model::Quad>& quads);
   std::uint32_t share_table(const Instance& instance, LightMap::Table table);
-  std::uint32_t add_light(const LightShape& shape, const Primitives& primitives, const Hit& middle);
+  // `quad` is that of the primitive, or null.
+  std::uint32_t add_light(const QuadLight* quad, const Primitives& primitives, const Hit& middle);
 
   const std::vector<Material>& materials_;
   std::vector<double> mean_radiances_;  // of the emission of each material

@@ -40,6 +40,8 @@ struct MeshDescription {
   // Of a mesh that deforms, all of its frames, which must be sound; else empty. `positions` and `normals` are
   // then those at frame 0. Such a mesh cannot emit.
   std::vector<MeshStep> steps{};
+  // A second set of texture coordinates, one per position, beside `uvs`; or empty: then `uvs` count as both.
+  std::vector<Vec2> second_uvs{};
 };
 
 struct SphereDescription {

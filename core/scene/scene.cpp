@@ -76,7 +76,21 @@ void Scene::set_materials(std::vector<Material> materials, std::vector<MediumDes
   }
 }
 
+namespace {
+
+void drop_second_uvs(std::vector<ShapeDescription>& shapes) {
+  for (ShapeDescription& shape : shapes)
+    if (auto* mesh = std::get_if<MeshDescription>(&shape)) mesh->second_uvs = std::vector<Vec2>();
+}
+
+}  // namespace
+
 void Scene::add_shapes(SceneDescription& description) {
+  // They take memory and time, and only textures use them.
+  if (std::ranges::none_of(textures_, [](const Texture& t) { return t.uv_set == UvSet::kSecond; })) {
+    drop_second_uvs(description.shapes);
+    for (ObjectDescription& object : description.objects) drop_second_uvs(object.shapes);
+  }
   Model model = make_model(description.shapes);
   ids_.set_starts(std::move(model.starts));
   quads_.own = std::move(model.quads);

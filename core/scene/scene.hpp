@@ -43,16 +43,21 @@ class Scene {
   // The camera at the frame, or when a shutter opens that takes no time; while one is open, camera_ray()
   // counts.
   const Camera& camera() const { return camera_; }
-  // Camera::ray() at a time from 0, when the shutter opens, to 1, when it closes.
+  // Calls what(camera) with the camera at a time from 0, when the shutter opens, to 1, when it closes.
+  template <typename What>
+  auto with_camera(float time, const What& what) const {
+    return camera_moves_ ? what(moving_camera(time)) : what(camera_);
+  }
+  // Camera::ray() at such a time.
   Ray camera_ray(Vec2 raster, int width_px, int height_px, Vec2 u_lens, float time) const {
-    Ray ray = camera_moves_ ? moving_camera(time).ray(raster, width_px, height_px, u_lens)
-                            : camera_.ray(raster, width_px, height_px, u_lens);
+    Ray ray = with_camera(
+        time, [&](const Camera& camera) { return camera.ray(raster, width_px, height_px, u_lens); });
     ray.time = time;
     return ray;
   }
   // Camera::depth() at the same time.
   float camera_depth(Vec3 origin, Vec3 point, float time) const {
-    return camera_moves_ ? moving_camera(time).depth(origin, point) : camera_.depth(origin, point);
+    return with_camera(time, [&](const Camera& camera) { return camera.depth(origin, point); });
   }
   // Whether the image depends on the times of rays: something moves while the shutter is open.
   bool has_motion() const { return camera_moves_ || primitives_.has_motion(); }

@@ -9,6 +9,7 @@
 #include "core/base/error.hpp"
 #include "core/film/layers.hpp"
 #include "core/film/region.hpp"
+#include "core/image/limits.hpp"
 
 namespace tessera::core {
 
@@ -54,8 +55,6 @@ struct PixelFilter {
 // The filter with its default radius.
 PixelFilter default_filter(FilterKind kind);
 
-inline constexpr int kMaxImageSidePx = 65536;
-inline constexpr std::int64_t kMaxImagePixels = std::int64_t{1} << 30;
 inline constexpr std::uint32_t kMaxSpp = 1u << 24;
 inline constexpr int kWhittedDepth = 8;
 inline constexpr int kMaxDepth = 1024;  // largest accepted max_depth

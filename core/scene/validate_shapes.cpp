@@ -54,6 +54,9 @@ Status check_mesh(const MeshDescription& mesh, std::size_t material_count) {
     return invalid_shape(fmt::format("{} normals for {} vertices", mesh.normals.size(), vertices));
   if (!mesh.uvs.empty() && mesh.uvs.size() != vertices)
     return invalid_shape(fmt::format("{} texture coordinates for {} vertices", mesh.uvs.size(), vertices));
+  if (!mesh.second_uvs.empty() && mesh.second_uvs.size() != mesh.uvs.size())
+    return invalid_shape(fmt::format("{} second texture coordinates for {} first ones",
+                                     mesh.second_uvs.size(), mesh.uvs.size()));
   if (!mesh.colors.empty() && mesh.colors.size() != vertices)
     return invalid_shape(fmt::format("{} colours for {} vertices", mesh.colors.size(), vertices));
   for (std::size_t i = 0; i < mesh.colors.size(); ++i)

@@ -125,7 +125,7 @@ std::vector<Material> extreme_materials(const SceneDescription& scene, bool grea
   return materials;
 }
 
-// Values between two that are in range are in range. What shines brightest may be least opaque.
+// Values between two that are in range are in range. The brightest emission may be the least opaque.
 Status check_animated_materials(const SceneDescription& scene) {
   const std::vector<Material> least = extreme_materials(scene, false);
   std::vector<Material> greatest = extreme_materials(scene, true);

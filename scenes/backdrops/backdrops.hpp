@@ -14,7 +14,7 @@ core::Image terracotta_tiles();  // terracotta and ivory
 core::Image slate_tiles();       // blue slate and ivory
 
 // The whole sphere of directions (longitude to the right, latitude upwards) in linear light: a clear evening,
-// the glow on the horizon in the middle of the picture, dark earth below.
+// the glow on the horizon in the middle of the image, dark earth below.
 core::Image evening_sky();
 
 // By the names of the functions above; the error lists them.

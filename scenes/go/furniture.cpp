@@ -83,7 +83,7 @@ core::Image normal_map(int width, int height, const std::vector<float>& relief) 
     return relief[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) +
                   static_cast<std::size_t>(i)];
   };
-  // Pictures are written with the transfer function of sRGB, and these numbers are to be stored as they are.
+  // Images are written with the transfer function of sRGB, and these numbers are to be stored as they are.
   const auto stored = [](float c) {
     return core::srgb_decode(static_cast<std::uint8_t>(127.5f * (c + 1) + 0.5f));
   };

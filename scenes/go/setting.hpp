@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything in the picture for one position of a game, as files' names and what makes their models.
+// Everything in the image for one position of a game, as files' names and what makes their models.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads game records in SGF (Smart Game Format, FF[1] to FF[4]) as far as a picture needs them: the board's
+// Reads game records in SGF (Smart Game Format, FF[1] to FF[4]) as far as an image needs them: the board's
 // size, who played, and the stones of the main line. Other properties, comments and variations are passed
 // over. Nothing in a file crashes it. Stateless; thread-safe.
 #pragma once

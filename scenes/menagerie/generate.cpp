@@ -33,7 +33,7 @@ core::Status write_original(const std::string& path, const std::string& original
   return mesh ? write_mesh(path, *mesh) : core::fail(mesh.error());
 }
 
-core::Status write_picture(const std::string& path, const core::Image& image) {
+core::Status write_image_file(const std::string& path, const core::Image& image) {
   const core::Result<std::string> png = core::encode_image(image, core::ImageFormat::kPng);
   return png ? core::write_file_atomically(path, *png) : core::fail(png.error().within(path));
 }
@@ -47,7 +47,7 @@ core::Status write_rabbit(const std::string& folder, const std::string& original
 core::Status write_cow(const std::string& folder) {
   const core::MeshDescription mesh = cow(kCubeCm, kCoatPx);
   if (core::Status written = write_mesh(folder + "/cow.obj", mesh); !written) return written;
-  return write_picture(folder + "/cow.png", cow_coat(mesh, kCoatPx));
+  return write_image_file(folder + "/cow.png", cow_coat(mesh, kCoatPx));
 }
 
 core::Status write_spot(const std::string& folder, const std::string& originals) {
@@ -60,8 +60,9 @@ core::Status write_spot(const std::string& folder, const std::string& originals)
 
 core::Status write_meadow(const std::string& folder) {
   if (core::Status written = write_mesh(folder + "/meadow.obj", meadow()); !written) return written;
-  if (core::Status written = write_picture(folder + "/meadow.png", meadow_colors()); !written) return written;
-  return write_picture(folder + "/ground.png", ground_colors());
+  if (core::Status written = write_image_file(folder + "/meadow.png", meadow_colors()); !written)
+    return written;
+  return write_image_file(folder + "/ground.png", ground_colors());
 }
 
 core::Status generate(const std::string& folder, const std::string& originals) {

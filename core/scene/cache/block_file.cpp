@@ -116,6 +116,11 @@ BlockFileWriter::~BlockFileWriter() {
   if (file_.valid() && !path_.empty()) ::unlink(partial_path_.c_str());
 }
 
+void BlockFileWriter::reserve(std::uint64_t bytes) {
+  reserved_ = std::max(bytes, size_);
+  if (::ftruncate(file_.get(), static_cast<off_t>(reserved_)) != 0) error_ = errno;
+}
+
 void BlockFileWriter::write_block(std::span<const std::byte> bytes) {
   const std::size_t count = piece_count(bytes.size()), first = pieces_.size();
   pieces_.resize(first + count);
@@ -142,7 +147,9 @@ Status BlockFileWriter::write_all(std::span<const std::byte> index) {
   header.index = checksum_of(tail);
   header.preceding = checksum_of_header(header);
   if (error_ != 0) return fail(cannot_write(partial_path_, error_));
-  const bool written = write_at(file_.get(), tail, size_) &&
+  const bool fits =
+      reserved_ <= header.file_size || ::ftruncate(file_.get(), static_cast<off_t>(header.file_size)) == 0;
+  const bool written = fits && write_at(file_.get(), tail, size_) &&
                        write_at(file_.get(), std::as_bytes(std::span(&header, 1)), 0) &&
                        (path_.empty() || std::rename(partial_path_.c_str(), path_.c_str()) == 0);
   if (!written) return fail(cannot_write(partial_path_, errno));

@@ -43,6 +43,9 @@ class BlockFileWriter {
   BlockFileWriter(BlockFileWriter&&) noexcept = default;
   ~BlockFileWriter();
 
+  // Gives the file this size before it is written, so that others count it when they make room. It may end up
+  // larger or smaller.
+  void reserve(std::uint64_t bytes);
   void write_block(std::span<const std::byte> bytes);
   Status finish(std::span<const std::byte> index);
 
@@ -57,6 +60,7 @@ class BlockFileWriter {
   Checksum version_;
   int threads_;
   std::uint64_t size_;
+  std::uint64_t reserved_ = 0;
   std::vector<Checksum> pieces_;
   int error_ = 0;  // errno of the first failure
 };

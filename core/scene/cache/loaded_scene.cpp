@@ -52,6 +52,7 @@ bool is_finite(Vec2 v) {
 bool is_finite_mesh(const MeshDescription& mesh) {
   return std::ranges::all_of(mesh.normals, [](Vec3 normal) { return core::is_finite(normal); }) &&
          std::ranges::all_of(mesh.uvs, [](Vec2 uv) { return is_finite(uv); }) &&
+         std::ranges::all_of(mesh.second_uvs, [](Vec2 uv) { return is_finite(uv); }) &&
          std::ranges::all_of(mesh.steps, [](const MeshStep& step) {
            return std::ranges::all_of(step.normals, [](Vec3 normal) { return core::is_finite(normal); });
          });

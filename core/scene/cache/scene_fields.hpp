@@ -65,8 +65,8 @@ auto fields(Is<TextureImage::Texels> auto& value) {
   return std::tie(width, height, format, tiles, floats);
 }
 auto fields(Is<Texture> auto& value) {
-  auto& [image, wrap, scale, offset, wrap_v, shear] = value;
-  return std::tie(image, wrap, scale, offset, wrap_v, shear);
+  auto& [image, wrap, scale, offset, wrap_v, shear, uv_set, filter] = value;
+  return std::tie(image, wrap, scale, offset, wrap_v, shear, uv_set, filter);
 }
 auto fields(Is<ColorParameter> auto& value) {
   auto& [color, texture] = value;
@@ -81,8 +81,8 @@ auto fields(Is<VoxelGrid> auto& value) {
   return std::tie(size, channels, values, filter, border);
 }
 auto fields(Is<MeshDescription> auto& value) {
-  auto& [positions, normals, uvs, triangles, triangle_materials, colors, steps] = value;
-  return std::tie(positions, normals, uvs, triangles, triangle_materials, colors, steps);
+  auto& [positions, normals, uvs, triangles, triangle_materials, colors, steps, second_uvs] = value;
+  return std::tie(positions, normals, uvs, triangles, triangle_materials, colors, steps, second_uvs);
 }
 auto fields(Is<MeshStep> auto& value) {
   auto& [frame, positions, normals] = value;
@@ -220,6 +220,7 @@ constexpr bool is_known(SpotFalloff value) {
   switch (value) {
     case SpotFalloff::kSmooth:
     case SpotFalloff::kLinear:
+    case SpotFalloff::kSquared:
       return true;
   }
   return false;
@@ -243,11 +244,27 @@ constexpr bool is_known(TextureImage::Format value) {
   }
   return false;
 }
+constexpr bool is_known(TextureFilter value) {
+  switch (value) {
+    case TextureFilter::kLinear:
+    case TextureFilter::kNearest:
+      return true;
+  }
+  return false;
+}
 constexpr bool is_known(Wrap value) {
   switch (value) {
     case Wrap::kRepeat:
     case Wrap::kClamp:
     case Wrap::kMirror:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(UvSet value) {
+  switch (value) {
+    case UvSet::kFirst:
+    case UvSet::kSecond:
       return true;
   }
   return false;
@@ -342,6 +359,13 @@ constexpr bool is_known(Conductor value) {
     case Conductor::kTungsten:
     case Conductor::kMercury:
     case Conductor::kTitaniumNitride:
+    case Conductor::kMagnesiumOxide:
+    case Conductor::kTitaniumDioxide:
+    case Conductor::kTitaniumDioxideExtraordinary:
+    case Conductor::kDiamond:
+    case Conductor::kCaesiumIodide:
+    case Conductor::kSiliconCarbide:
+    case Conductor::kBeryllium:
       return true;
   }
   return false;

@@ -89,12 +89,12 @@ SceneWriter::~SceneWriter() = default;
 
 void SceneWriter::finish(const Bvh& bvh) {
   const SceneStore& store = state_->store;
-  const std::uint64_t tree_bytes = stored::stored_bytes(bvh.arrays());
-  if (!store.fits(state_->bytes + tree_bytes) || !store.make_room(tree_bytes)) return state_.reset();
+  const std::uint64_t bytes = state_->bytes + stored::stored_bytes(bvh.arrays());
+  if (!store.fits(bytes) || !store.make_room_for(state_->file, bytes)) return state_.reset();
   state_->writer(bvh.arrays());
   const Status written = state_->file.finish(state_->writer.bytes());
   if (!written) store.warn_unless_missing(written.error());
-  store.make_room(0);
+  store.make_room();  // for the checksums
 }
 
 SceneStore::SceneStore(std::string folder, std::uint64_t max_bytes, Warn warn, IsName is_counted)
@@ -129,13 +129,19 @@ bool SceneStore::fits(std::uint64_t bytes) const {
   return false;
 }
 
-// Returns false if too much must stay.
-bool SceneStore::make_room(std::uint64_t bytes) const {
+// Removes files until the rest is within the limit. Returns false if too much must stay.
+bool SceneStore::make_room() const {
   const auto must_stay = [](const std::string& name, std::chrono::seconds unused_for) {
     return !is_file_name(name) && unused_for < kMayBeInUse;
   };
-  const std::uint64_t rest = max_bytes_ - bytes;
-  return remove_least_used(folder_, rest, is_counted_, must_stay) <= rest;
+  return remove_least_used(folder_, max_bytes_, is_counted_, must_stay) <= max_bytes_;
+}
+
+// Several writers at a time, also of other processes, count each other's files before there is a byte in
+// them.
+bool SceneStore::make_room_for(BlockFileWriter& file, std::uint64_t bytes) const {
+  file.reserve(bytes);
+  return make_room();
 }
 
 void SceneStore::warn_unless_missing(const Error& error) const {
@@ -156,11 +162,14 @@ std::optional<PreparedScene> SceneStore::find(std::string_view key, int threads)
 std::optional<SceneWriter> SceneStore::begin(std::string_view key, const SceneDescription& description,
                                              int threads) const {
   const std::uint64_t bytes = stored::stored_bytes(description);
-  if (!fits(bytes) || !make_room(bytes)) return std::nullopt;
+  if (!fits(bytes)) return std::nullopt;
   auto file = BlockFileWriter::create(path_of(key, kSceneSuffix), stored::file_version(), threads);
-  if (file) return SceneWriter(*this, std::move(*file), std::string(key), description);
-  warn_unless_missing(file.error());
-  return std::nullopt;
+  if (!file) {
+    warn_unless_missing(file.error());
+    return std::nullopt;
+  }
+  if (!make_room_for(*file, bytes)) return std::nullopt;
+  return SceneWriter(*this, std::move(*file), std::string(key), description);
 }
 
 Result<PreparedScene> SceneStore::prepare(std::string_view key, int threads,

@@ -58,10 +58,11 @@ class SceneStore {
  public:
   using Warn = std::function<void(const std::string& message)>;
 
-  // Creates the folder if it is missing, and rejects one that others can write to. Before each scene the
-  // least recently used files for which `is_counted` returns true are removed: stored scenes, and others that
-  // were not used for an hour. A scene for which there is no room then is not stored. `warn` receives
-  // non-fatal errors.
+  // Creates the folder if it is missing, and rejects one that others can write to. Files for which
+  // `is_counted` returns true take at most `max_bytes`, those that are being written included: before each
+  // scene the least recently used are removed, which are stored scenes of any age and other files that were
+  // not used for an hour. A scene for which there is no room then is not stored. `warn` receives non-fatal
+  // errors.
   static Result<SceneStore> open(const std::string& folder, std::uint64_t max_bytes, Warn warn,
                                  IsName is_counted = is_file_name);
 
@@ -88,7 +89,8 @@ class SceneStore {
                                    int threads) const;
   void keep_list(const std::string& key, const stored::RecordedAssets& recorded, int threads) const;
   bool fits(std::uint64_t bytes) const;
-  bool make_room(std::uint64_t bytes) const;
+  bool make_room() const;
+  bool make_room_for(BlockFileWriter& file, std::uint64_t bytes) const;
   void warn_unless_missing(const Error& error) const;
 
   std::string folder_;

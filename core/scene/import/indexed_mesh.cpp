@@ -24,6 +24,7 @@ ObjFile as_obj_file(MeshDescription mesh, std::vector<std::uint32_t>& materials)
     for (const std::uint32_t corner : triangle) corners.push_back(static_cast<std::int32_t>(corner));
   file.text.positions = std::move(mesh.positions);
   file.text.uvs = std::move(mesh.uvs);
+  file.text.second_uvs = std::move(mesh.second_uvs);
   file.text.colors = std::move(mesh.colors);
   if (!file.text.uvs.empty()) file.corners.uvs = corners;
   file.corners.positions = std::move(corners);

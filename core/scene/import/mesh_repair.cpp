@@ -85,9 +85,9 @@ std::size_t repair_normals(const std::vector<std::array<std::uint32_t, 3>>& tria
   return broken;
 }
 
-std::size_t repair_uvs(MeshDescription& mesh) {
+std::size_t repair_uvs(std::vector<Vec2>& uvs) {
   std::size_t broken = 0;
-  for (Vec2& uv : mesh.uvs) {
+  for (Vec2& uv : uvs) {
     if (std::isfinite(uv.x) && std::isfinite(uv.y)) continue;
     uv = {};
     ++broken;
@@ -114,6 +114,7 @@ MeshRepairs repair_mesh(MeshDescription& mesh) {
   const std::size_t vertices = mesh.positions.size();
   repairs.dropped_normals = drop_if_incomplete(mesh.normals, vertices);
   repairs.dropped_uvs = drop_if_incomplete(mesh.uvs, vertices);
+  repairs.dropped_uvs |= drop_if_incomplete(mesh.second_uvs, mesh.uvs.size());
   repairs.dropped_colors = drop_if_incomplete(mesh.colors, vertices);
   if (mesh.triangle_materials.size() != mesh.triangles.size()) mesh.triangle_materials.resize(1);
   repairs.broken_triangles = remove_broken_triangles(mesh);
@@ -123,7 +124,7 @@ MeshRepairs repair_mesh(MeshDescription& mesh) {
   for_each_step(mesh, [&](const std::vector<Vec3>& positions, std::vector<Vec3>& normals) {
     repairs.broken_normals += repair_normals(mesh.triangles, positions, normals);
   });
-  repairs.broken_uvs = repair_uvs(mesh);
+  repairs.broken_uvs = repair_uvs(mesh.uvs) + repair_uvs(mesh.second_uvs);
   repairs.clamped_colors = clamp_colors(mesh);
   return repairs;
 }

@@ -33,8 +33,17 @@ std::string SceneBuilder::shown(const std::string& path) const {
   return path == scene_path_ ? display_path_ : path;
 }
 
+ImageUse use_of_channel(ColorSpace color_space, const std::string& channel) {
+  constexpr std::pair<std::string_view, TextureChannel> kNames[] = {
+      {"", TextureChannel::kColor},  {"rgb", TextureChannel::kColor}, {"r", TextureChannel::kRed},
+      {"g", TextureChannel::kGreen}, {"b", TextureChannel::kBlue},    {"a", TextureChannel::kAlpha}};
+  for (const auto& [name, known] : kNames)
+    if (name == channel) return {color_space, known, {}};
+  return {color_space, TextureChannel::kColor, channel};
+}
+
 Result<SceneBuilder::Image> SceneBuilder::image_file(const std::string& path, const ImageUse& use) {
-  return cache_.image(path, use.color_space, use.channel, FloatFiles::kAlwaysLinear);
+  return cache_.image(path, use.color_space, use.channel, FloatFiles::kAlwaysLinear, use.layer);
 }
 
 Result<SceneBuilder::Image> SceneBuilder::image_bytes(const std::string& name, std::string_view bytes,

@@ -31,7 +31,12 @@ struct ImageUse {
   // Of files with 8 or 16 bits. Files of floats are always linear, whatever is asked for.
   ColorSpace color_space = ColorSpace::kSrgb;
   TextureChannel channel = TextureChannel::kColor;
+  std::string layer{};  // of OpenEXR files (DecodeOptions)
 };
+
+// The use of the channel or layer that a file calls `channel`: a letter as "r" or "a", or the name of a layer
+// or channel of an OpenEXR file. Empty for the colours.
+ImageUse use_of_channel(ColorSpace color_space, const std::string& channel);
 
 // What a file without camera or light gets.
 struct SceneDefaults {

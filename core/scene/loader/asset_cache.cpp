@@ -53,15 +53,16 @@ std::string path_beside(const std::string& file, const std::string& name) {
 
 // Numbers are not encoded.
 AssetCache::ImageKey AssetCache::key_of(const std::string& name, std::optional<ColorSpace> color_space,
-                                        TextureChannel channel) {
+                                        TextureChannel channel, const std::string& layer) {
   const bool is_alpha = channel == TextureChannel::kAlpha;
-  return {name, is_alpha ? ColorSpace::kLinear : color_space.value_or(ColorSpace::kSrgb), channel};
+  return {name, is_alpha ? ColorSpace::kLinear : color_space.value_or(ColorSpace::kSrgb), channel, layer};
 }
 
 Result<std::shared_ptr<const TextureImage>> AssetCache::image(const std::string& path,
                                                               std::optional<ColorSpace> color_space,
-                                                              TextureChannel channel, FloatFiles floats) {
-  const ImageKey key = key_of(path, color_space, channel);
+                                                              TextureChannel channel, FloatFiles floats,
+                                                              const std::string& layer) {
+  const ImageKey key = key_of(path, color_space, channel, layer);
   const auto known = images_.find(key);
   if (known != images_.end()) return known->second;
   const auto bytes = assets_.read(path);
@@ -84,11 +85,11 @@ Result<std::shared_ptr<const TextureImage>> AssetCache::image_in_memory(const st
 
 Result<std::shared_ptr<const TextureImage>> AssetCache::add_image(const ImageKey& key,
                                                                   std::string_view bytes) {
-  const auto& [name, color_space, channel] = key;
-  if (channel == TextureChannel::kAlpha && !may_have_alpha(bytes)) return opaque_;
+  const auto& [name, color_space, channel, layer] = key;
+  if (channel == TextureChannel::kAlpha && !may_have_alpha(bytes) && layer.empty()) return opaque_;
   if (const auto size = texture_size(bytes))
     if (auto counted = count_pixels(name, *size); !counted) return fail(counted.error());
-  auto decoded = decode(name, bytes, color_space, channel);
+  auto decoded = decode(key, bytes);
   if (!decoded) return fail(decoded.error());
   auto shared = std::make_shared<const TextureImage>(std::move(*decoded));
   images_.emplace(key, shared);
@@ -114,10 +115,10 @@ Status AssetCache::count_pixels(const std::string& path, TextureSize size) {
 }
 
 // A file that is decoded more than once, as for its alpha, warns the first time.
-Result<TextureImage> AssetCache::decode(const std::string& path, std::string_view bytes,
-                                        ColorSpace color_space, TextureChannel channel) {
+Result<TextureImage> AssetCache::decode(const ImageKey& key, std::string_view bytes) {
+  const auto& [path, color_space, channel, layer] = key;
   std::vector<std::string> oddities;
-  auto decoded = decode_texture_image(bytes, color_space, channel, &oddities);
+  auto decoded = decode_texture_image(bytes, color_space, channel, &oddities, layer);
   if (!decoded)
     return fail(decoded.error().code, fmt::format("{} {}", in_quotes(path), decoded.error().message));
   if (!oddities.empty() && !warnings_.knows(path))

@@ -36,11 +36,13 @@ class AssetCache {
       : assets_(assets), limits_(limits), warnings_(warnings) {}
 
   // Without a colour space, PNG and JPEG are sRGB and HDR is linear. Alpha is a separate image, so that it
-  // takes memory only if requested; it is linear, and 1 if the file has none.
+  // takes memory only if requested; it is linear, and 1 if the file has none. `layer` is that of OpenEXR
+  // files (DecodeOptions).
   Result<std::shared_ptr<const TextureImage>> image(const std::string& path,
                                                     std::optional<ColorSpace> color_space,
                                                     TextureChannel channel = TextureChannel::kColor,
-                                                    FloatFiles floats = FloatFiles::kRefuseSrgb);
+                                                    FloatFiles floats = FloatFiles::kRefuseSrgb,
+                                                    const std::string& layer = {});
   // The same for an image file in memory. `name` identifies it, and is its name in messages.
   Result<std::shared_ptr<const TextureImage>> image_in_memory(const std::string& name, std::string_view bytes,
                                                               ColorSpace color_space, TextureChannel channel);
@@ -57,13 +59,12 @@ class AssetCache {
   Status count_pixels(const std::string& path, TextureSize size);
 
  private:
-  using ImageKey = std::tuple<std::string, ColorSpace, TextureChannel>;
+  using ImageKey = std::tuple<std::string, ColorSpace, TextureChannel, std::string>;  // with the layer
 
   static ImageKey key_of(const std::string& name, std::optional<ColorSpace> color_space,
-                         TextureChannel channel);
+                         TextureChannel channel, const std::string& layer = {});
   Result<std::shared_ptr<const TextureImage>> add_image(const ImageKey& key, std::string_view bytes);
-  Result<TextureImage> decode(const std::string& path, std::string_view bytes, ColorSpace color_space,
-                              TextureChannel channel);
+  Result<TextureImage> decode(const ImageKey& key, std::string_view bytes);
 
   AssetSource& assets_;
   const SceneLimits& limits_;

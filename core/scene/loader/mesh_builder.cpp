@@ -201,10 +201,15 @@ void MeshBuilder::fill_vertices(const std::vector<Vec3>& computed_normals) {
     const auto i = static_cast<std::size_t>(index);
     return i < text.normals.size() ? text.normals[i] : computed_normals[i - text.normals.size()];
   };
+  const auto uv = [](const std::vector<Vec2>& uvs, std::int32_t index) {
+    return index < 0 ? Vec2{} : uvs[static_cast<std::size_t>(index)];
+  };
+  const bool has_second_uvs = !text.second_uvs.empty();
   const bool has_uvs = !file_.corners.uvs.empty(), has_normals = corners.front().normal >= 0;
   const bool has_colors = colors_ == VertexColors::kUse && !text.colors.empty();
   mesh_.positions.reserve(corners.size());
   if (has_uvs) mesh_.uvs.reserve(corners.size());
+  if (has_second_uvs) mesh_.second_uvs.reserve(corners.size());
   if (has_normals) mesh_.normals.reserve(corners.size());
   if (has_colors) mesh_.colors.reserve(corners.size());
   for (const Corner& corner : corners) {
@@ -212,7 +217,8 @@ void MeshBuilder::fill_vertices(const std::vector<Vec3>& computed_normals) {
     mesh_.positions.push_back(transform_.point(text.positions[position]));
     if (has_colors) mesh_.colors.push_back(text.colors[position]);
     if (has_normals) mesh_.normals.push_back(transformed_normal(transform_, normal(corner.normal)));
-    if (has_uvs) mesh_.uvs.push_back(corner.uv < 0 ? Vec2{} : text.uvs[static_cast<std::size_t>(corner.uv)]);
+    if (has_uvs) mesh_.uvs.push_back(uv(text.uvs, corner.uv));
+    if (has_second_uvs) mesh_.second_uvs.push_back(uv(text.second_uvs, corner.uv));
   }
 }
 

@@ -40,6 +40,7 @@ class MapReader {
   int take_numbers(std::array<float, 3>& numbers, int max_count);
   void set_numbers(std::string_view option, const std::array<float, 3>& numbers, int count);
   void take_clamp();
+  void take_channel();
 
   template <typename Text>
   void warn(std::string_view kind, const Text& text) {
@@ -80,6 +81,8 @@ void MapReader::take_option() {
     });
   } else if (option->name == "-clamp") {
     take_clamp();
+  } else if (option->name == "-imfchan") {
+    take_channel();
   } else if (option->max_numbers == kWord) {
     if (!is_last_word(line_)) take_word(line_);
   } else {
@@ -121,6 +124,15 @@ void MapReader::take_clamp() {
       return fmt::format("'-clamp' must be followed by on or off, got {}; it is ignored", in_quotes(word));
     });
   }
+}
+
+// The others are luminance, matte and depth, which the first channel stands for.
+void MapReader::take_channel() {
+  if (is_last_word(line_)) return;
+  const std::string_view word = take_word(line_);
+  if (word == "r") map_.channel = TextureChannel::kRed;
+  if (word == "g") map_.channel = TextureChannel::kGreen;
+  if (word == "b") map_.channel = TextureChannel::kBlue;
 }
 
 }  // namespace

@@ -13,11 +13,12 @@ inline constexpr Rgb kDefaultDiffuse = Rgb::gray(0.5f);
 
 // The scene textures of a material's maps; -1 for missing ones.
 struct MtlTextures {
-  int diffuse = -1, specular = -1, emission = -1, opacity = -1, roughness = -1, normal = -1, bump = -1;
-  std::optional<float> metallic;  // the mean of its map
+  int diffuse = -1, specular = -1, emission = -1, opacity = -1, normal = -1, bump = -1;
+  int roughness = -1, metallic = -1, coat = -1, coat_roughness = -1, sheen = -1;
 };
 
-// The height of a bump map is its multiplier, which has no unit yet.
+// A material with keys of the physically based extension (Pr, Pm, Pc, Ps, aniso and their maps) becomes a
+// Principled one. The height of a bump map is its multiplier, which has no unit yet.
 Material make_material(const MtlMaterial& material, const MtlTextures& textures);
 
 }  // namespace tessera::core

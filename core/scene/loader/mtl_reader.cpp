@@ -21,10 +21,13 @@ struct ColorRule {
   float max;
   std::optional<Rgb> MtlMaterial::*color;
 };
-constexpr std::array kColors{
-    ColorRule{"Ka", kLargest, &MtlMaterial::ambient},  ColorRule{"Kd", 1, &MtlMaterial::diffuse},
-    ColorRule{"Ks", kLargest, &MtlMaterial::specular}, ColorRule{"Tf", 1, &MtlMaterial::transmission},
-    ColorRule{"Kt", 1, &MtlMaterial::transmission},    ColorRule{"Ke", kLargest, &MtlMaterial::emission}};
+constexpr std::array kColors{ColorRule{"Ka", kLargest, &MtlMaterial::ambient},
+                             ColorRule{"Kd", 1, &MtlMaterial::diffuse},
+                             ColorRule{"Ks", kLargest, &MtlMaterial::specular},
+                             ColorRule{"Tf", 1, &MtlMaterial::transmission},
+                             ColorRule{"Kt", 1, &MtlMaterial::transmission},
+                             ColorRule{"Ke", kLargest, &MtlMaterial::emission},
+                             ColorRule{"Ps", 1, &MtlMaterial::sheen}};
 
 // The treatment of numbers out of range: clamped, or ignored.
 enum class OutOfRange { kClamp, kIgnore };
@@ -41,26 +44,36 @@ constexpr std::array kNumbers{NumberRule{"d", 0, 1, &MtlMaterial::dissolve},
                               NumberRule{"Ns", -kLargest, kLargest, &MtlMaterial::exponent},
                               NumberRule{"illum", 0, 10, &MtlMaterial::illum, OutOfRange::kIgnore},
                               NumberRule{"Pr", 0, 1, &MtlMaterial::roughness},
-                              NumberRule{"Pm", 0, 1, &MtlMaterial::metallic}};
+                              NumberRule{"Pm", 0, 1, &MtlMaterial::metallic},
+                              NumberRule{"Pc", 0, 4, &MtlMaterial::coat},
+                              NumberRule{"Pcr", 0, 1, &MtlMaterial::coat_roughness},
+                              NumberRule{"aniso", 0, 1, &MtlMaterial::anisotropy},
+                              NumberRule{"anisor", -kLargest, kLargest, &MtlMaterial::anisotropy_rotation}};
 
 struct MapRule {
   std::string_view keyword;
   std::optional<MtlMap> MtlMaterial::*map;
 };
-constexpr std::array kMaps{
-    MapRule{"map_Kd", &MtlMaterial::diffuse_map},       MapRule{"map_Ks", &MtlMaterial::specular_map},
-    MapRule{"map_Ke", &MtlMaterial::emission_map},      MapRule{"map_d", &MtlMaterial::dissolve_map},
-    MapRule{"map_Ns", &MtlMaterial::exponent_map},      MapRule{"map_Pr", &MtlMaterial::roughness_map},
-    MapRule{"map_Pm", &MtlMaterial::metallic_map},      MapRule{"norm", &MtlMaterial::normal_map},
-    MapRule{"map_norm", &MtlMaterial::normal_map},      MapRule{"bump", &MtlMaterial::bump_map},
-    MapRule{"map_bump", &MtlMaterial::bump_map},        MapRule{"bm", &MtlMaterial::bump_map},
-    MapRule{"map_opacity", &MtlMaterial::dissolve_map}, MapRule{"map_emissive", &MtlMaterial::emission_map}};
+constexpr std::array kMaps{MapRule{"map_Kd", &MtlMaterial::diffuse_map},
+                           MapRule{"map_Ks", &MtlMaterial::specular_map},
+                           MapRule{"map_Ke", &MtlMaterial::emission_map},
+                           MapRule{"map_d", &MtlMaterial::dissolve_map},
+                           MapRule{"map_Ns", &MtlMaterial::exponent_map},
+                           MapRule{"map_Pr", &MtlMaterial::roughness_map},
+                           MapRule{"map_Pm", &MtlMaterial::metallic_map},
+                           MapRule{"map_Ps", &MtlMaterial::sheen_map},
+                           MapRule{"map_Pc", &MtlMaterial::coat_map},
+                           MapRule{"map_Pcr", &MtlMaterial::coat_roughness_map},
+                           MapRule{"norm", &MtlMaterial::normal_map},
+                           MapRule{"map_norm", &MtlMaterial::normal_map},
+                           MapRule{"bump", &MtlMaterial::bump_map},
+                           MapRule{"map_bump", &MtlMaterial::bump_map},
+                           MapRule{"bm", &MtlMaterial::bump_map},
+                           MapRule{"map_opacity", &MtlMaterial::dissolve_map},
+                           MapRule{"map_emissive", &MtlMaterial::emission_map}};
 
-// These statements are ignored silently: ambient light is not supported, and the others only modify
-// features that are reported elsewhere.
-constexpr std::array<std::string_view, 4> kSilent{"map_Ka", "sharpness", "Pcr", "anisor"};
-// Ignored silently if 0.
-constexpr std::array<std::string_view, 3> kUnlessZero{"Pc", "Ps", "aniso"};
+// Ignored silently: ambient light is not supported, and "sharpness" only modifies "refl", which is reported.
+constexpr std::array<std::string_view, 2> kSilent{"map_Ka", "sharpness"};
 
 char lower_case(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -96,7 +109,7 @@ class MtlReader {
   void color(const ColorRule& rule, std::string_view line);
   void number(const NumberRule& rule, std::string_view line);
   void map(const MapRule& rule, std::string_view keyword, std::string_view line);
-  void unused(std::string_view keyword, std::string_view line);
+  void unused(std::string_view keyword);
 
   template <typename Text>
   void warn(std::string_view kind, const Text& text) {
@@ -124,7 +137,7 @@ void MtlReader::statement(std::string_view line) {
   const auto* color_rule = find_rule(kColors, keyword);
   const auto* number_rule = find_rule(kNumbers, keyword);
   const auto* map_rule = find_rule(kMaps, keyword);
-  if (color_rule == nullptr && number_rule == nullptr && map_rule == nullptr) return unused(keyword, line);
+  if (color_rule == nullptr && number_rule == nullptr && map_rule == nullptr) return unused(keyword);
   if (file_.materials.empty())
     return warn("no newmtl", [&] {
       return fmt::format("'{}' belongs to no material, because no 'newmtl' comes before it; it is ignored",
@@ -182,10 +195,8 @@ void MtlReader::map(const MapRule& rule, std::string_view keyword, std::string_v
     material().*rule.map = std::move(*map);
 }
 
-void MtlReader::unused(std::string_view keyword, std::string_view line) {
+void MtlReader::unused(std::string_view keyword) {
   if (is_one_of(kSilent, keyword)) return;
-  std::array<float, 1> x{};
-  if (is_one_of(kUnlessZero, keyword) && read_numbers(line, x).count >= 1 && x[0] == 0) return;
   warn(fmt::format("unused {}", keyword), [&] { return fmt::format("{} is not used", in_quotes(keyword)); });
 }
 

@@ -21,9 +21,12 @@ struct MtlMaterial {
   std::optional<Rgb> ambient, diffuse, specular, transmission, emission;  // Ka, Kd, Ks, Tf, Ke
   std::optional<float> dissolve, transparency;                            // d, Tr
   std::optional<float> ior, exponent, illum;                              // Ni, Ns, illum
-  std::optional<float> roughness, metallic;                               // Pr, Pm
+  std::optional<float> roughness, metallic, coat, coat_roughness;         // Pr, Pm, Pc, Pcr
+  std::optional<Rgb> sheen;                                               // Ps
+  std::optional<float> anisotropy, anisotropy_rotation;                   // aniso, anisor
   Map diffuse_map, specular_map, emission_map;                            // map_Kd, map_Ks, map_Ke
   Map dissolve_map, exponent_map, roughness_map, metallic_map;            // map_d, map_Ns, map_Pr, map_Pm
+  Map coat_map, coat_roughness_map, sheen_map;                            // map_Pc, map_Pcr, map_Ps
   Map normal_map, bump_map;                                               // norm, bump
 };
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <variant>
 
 #include "core/scene/loader/text_lines.hpp"
 #include "core/scene/loader/wording.hpp"
@@ -30,6 +29,20 @@ bool is_normal_map(const TextureImage& image) {
 
 bool is_one(const TextureImage& image) {
   return image.width() == 1 && image.height() == 1 && image.largest().r >= 1;
+}
+
+// The image with every channel at most 1, and the number of texels that this changed.
+std::pair<TextureImage, std::uint64_t> clamped_to_one(const TextureImage& image) {
+  std::vector<float> values;
+  values.reserve(3 * static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height()));
+  std::uint64_t changed = 0;
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x) {
+      const Rgb texel = image.texel(x, y);
+      changed += max_component(texel) > 1 ? 1 : 0;
+      for (const float channel : {texel.r, texel.g, texel.b}) values.push_back(std::min(channel, 1.0f));
+    }
+  return {TextureImage(image.width(), image.height(), std::move(values)), changed};
 }
 
 // The mean world-space length over which the texture coordinates of the material's triangles grow by 1; 0
@@ -173,16 +186,21 @@ Result<std::uint32_t> ObjMaterials::add_material(const Found& found) {
   const auto index = static_cast<std::uint32_t>(scene_.materials.size());
   Material added = make_material(*material, *textures);
   added.name = library + ": " + added.name;
-  const Rgb filter = material->transmission.value_or(Rgb{});
-  const bool is_filtering = !is_black(filter) && filter != Rgb::gray(1);
-  if (is_filtering && is_opaque(added, scene_.materials) && !std::holds_alternative<Glass>(added.model))
-    warn(library, "Tf", 0, [] { return "'Tf' is used for glass only"; });
+  tell_unused(*material, added);
   for (const std::string_view key : clamp_to_ranges(added))
     warn(library, key, 0, [&] { return clamped_text(added.name, key); });
   if (added.bump.texture >= 0) unsettled_bumps_.push_back(index);
   scene_.materials.push_back(std::move(added));
   known_.emplace(std::pair(library, material->name), index);
   return index;
+}
+
+// What was read and has no effect on this material.
+void ObjMaterials::tell_unused(const MtlMaterial& material, const Material& added) {
+  const Rgb filter = material.transmission.value_or(Rgb{});
+  const bool is_filtering = !is_black(filter) && filter != Rgb::gray(1);
+  if (is_filtering && is_opaque(added, scene_.materials) && !transmits_light(added.model))
+    warn(library_, "Tf", 0, [] { return "'Tf' is used for materials that transmit light only"; });
 }
 
 // Returns null with a warning if the image cannot be used. Fails only if a limit is exceeded.
@@ -212,17 +230,24 @@ Result<ObjMaterials::Image> ObjMaterials::load(const MtlMaterial::Map& map,
   return *image;
 }
 
-// Loads the image of a reflectance, which must not exceed 1.
+// Loads the image of a reflectance. Texels above 1 are clamped.
 Result<ObjMaterials::Image> ObjMaterials::load_share(const MtlMaterial::Map& map,
                                                      std::optional<ColorSpace> color_space) {
   auto image = load(map, color_space);
   if (!image || !*image || max_component((*image)->largest()) <= 1) return image;
-  warn(library_, "bright image", map->line, [&] {
+  const auto known = clamped_.find(*image);
+  if (known != clamped_.end()) return known->second;
+  const TextureSize size{(*image)->width(), (*image)->height()};
+  if (auto counted = cache_.count_pixels(map->file, size); !counted)
+    return fail(counted.error().within(fmt::format("{}:{}", library_, map->line)));
+  auto [clamped, changed] = clamped_to_one(**image);
+  const auto text = [&] {
     return fmt::format(
-        "{} has values above 1, and nothing reflects more light than it gets; the map is ignored",
+        "{} has values above 1, and nothing reflects more light than it gets; they are clamped",
         in_quotes(map->file));
-  });
-  return nullptr;
+  };
+  warn(library_, "bright image", map->line, text, changed, "texels");
+  return clamped_.emplace(*image, std::make_shared<const TextureImage>(std::move(clamped))).first->second;
 }
 
 int ObjMaterials::add_texture(const Image& image, const MtlMaterial::Map& map) {
@@ -234,48 +259,57 @@ int ObjMaterials::add_texture(const Image& image, const MtlMaterial::Map& map) {
 Result<MtlTextures> ObjMaterials::add_textures(const MtlMaterial& material) {
   MtlTextures textures;
   // The meaning of an image determines its colour space.
-  struct Use {
+  struct ColorUse {
     const MtlMaterial::Map& map;
     int& texture;
     std::optional<ColorSpace> color_space;
     bool is_share;
   };
   constexpr auto kLinear = ColorSpace::kLinear;
-  // Blender writes its roughness as map_Ns.
-  const auto& roughness = material.roughness_map ? material.roughness_map : material.exponent_map;
-  for (const Use& use : {Use{material.diffuse_map, textures.diffuse, std::nullopt, true},
-                         Use{material.specular_map, textures.specular, kLinear, true},
-                         Use{material.emission_map, textures.emission, std::nullopt, false},
-                         Use{roughness, textures.roughness, kLinear, false},
-                         Use{material.normal_map, textures.normal, kLinear, false}}) {
+  for (const ColorUse& use : {ColorUse{material.diffuse_map, textures.diffuse, std::nullopt, true},
+                              ColorUse{material.specular_map, textures.specular, kLinear, true},
+                              ColorUse{material.emission_map, textures.emission, std::nullopt, false},
+                              ColorUse{material.normal_map, textures.normal, kLinear, false}}) {
     const auto image = use.is_share ? load_share(use.map, use.color_space) : load(use.map, use.color_space);
     if (!image) return fail(image.error());
     use.texture = add_texture(*image, use.map);
   }
-  for (const auto add : {&ObjMaterials::add_metallic, &ObjMaterials::add_opacity, &ObjMaterials::add_bump})
+  for (const auto add : {&ObjMaterials::add_numbers, &ObjMaterials::add_opacity, &ObjMaterials::add_bump})
     if (auto added = (this->*add)(material, textures); !added) return fail(added.error());
   return textures;
 }
 
-// The renderer's materials have no metallic texture.
-Status ObjMaterials::add_metallic(const MtlMaterial& material, MtlTextures& textures) {
-  const auto image = load(material.metallic_map, ColorSpace::kLinear);
-  if (!image) return fail(image.error());
-  if (!*image) return {};
-  textures.metallic = std::clamp((*image)->mean().r, 0.0f, 1.0f);
-  warn(library_, "metallic map", material.metallic_map->line,
-       [] { return "the mean of 'map_Pm' is used everywhere"; });
+// Blender writes its roughness as map_Ns.
+Status ObjMaterials::add_numbers(const MtlMaterial& material, MtlTextures& textures) {
+  struct NumberUse {
+    const MtlMaterial::Map& map;
+    int& texture;
+  };
+  const auto& roughness = material.roughness_map ? material.roughness_map : material.exponent_map;
+  for (const NumberUse& use :
+       {NumberUse{roughness, textures.roughness}, NumberUse{material.metallic_map, textures.metallic},
+        NumberUse{material.coat_map, textures.coat},
+        NumberUse{material.coat_roughness_map, textures.coat_roughness},
+        NumberUse{material.sheen_map, textures.sheen}}) {
+    if (!use.map) continue;
+    const auto image = load(use.map, ColorSpace::kLinear, use.map->channel);
+    if (!image) return fail(image.error());
+    use.texture = add_texture(*image, use.map);
+  }
   return {};
 }
 
-// The alpha of map_d, if it has any, else its red channel; without map_d, the alpha of map_Kd.
+// The channel of map_d that the file names; else its alpha, if it has any, or its red channel. Without map_d,
+// the alpha of map_Kd.
 Status ObjMaterials::add_opacity(const MtlMaterial& material, MtlTextures& textures) {
   const bool has_own_map = material.dissolve_map.has_value();
   const auto& map = has_own_map ? material.dissolve_map : material.diffuse_map;
   if (!has_own_map && textures.diffuse < 0) return {};
-  auto image = load(map, std::nullopt, TextureChannel::kAlpha);
+  const bool has_channel = has_own_map && map->channel != TextureChannel::kColor;
+  auto image = has_channel ? load(map, ColorSpace::kLinear, map->channel)
+                           : load(map, std::nullopt, TextureChannel::kAlpha);
   if (!image) return fail(image.error());
-  if (*image && is_one(**image)) {
+  if (!has_channel && *image && is_one(**image)) {
     if (!has_own_map) return {};
     image = load(map, ColorSpace::kLinear);
     if (!image) return fail(image.error());

@@ -58,13 +58,14 @@ class ObjMaterials {
                        const std::string& expected, const std::string& found);
   void tell_gap(const ObjFile& obj, std::size_t run, const Names& names, bool is_filled);
   Result<std::uint32_t> add_material(const Found& found);
+  void tell_unused(const MtlMaterial& material, const Material& added);
   // The image of a map, or null if it has none that can be used.
   Result<Image> load(const MtlMaterial::Map& map, std::optional<ColorSpace> color_space = std::nullopt,
                      TextureChannel channel = TextureChannel::kColor);
   Result<Image> load_share(const MtlMaterial::Map& map, std::optional<ColorSpace> color_space = std::nullopt);
   int add_texture(const Image& image, const MtlMaterial::Map& map);
   Result<MtlTextures> add_textures(const MtlMaterial& material);
-  Status add_metallic(const MtlMaterial& material, MtlTextures& textures);
+  Status add_numbers(const MtlMaterial& material, MtlTextures& textures);
   Status add_opacity(const MtlMaterial& material, MtlTextures& textures);
   Status add_bump(const MtlMaterial& material, MtlTextures& textures);
 
@@ -83,6 +84,7 @@ class ObjMaterials {
   std::set<std::string> told_;                                          // OBJ files
   std::set<std::pair<std::string, int>> told_names_;                    // files and lines
   std::map<std::pair<std::string, std::string>, std::uint32_t> known_;  // by library and name
+  std::map<Image, Image> clamped_;              // images of reflectances with values above 1
   std::map<bool, std::uint32_t> defaults_;      // for meshes without and with vertex colours
   std::vector<std::uint32_t> unsettled_bumps_;  // materials
 };

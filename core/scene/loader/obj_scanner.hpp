@@ -20,10 +20,11 @@ struct ObjText {
     int line = 0;
   };
 
-  std::vector<Vec3> positions;  // as many as "v" lines; not finite where the line has no 3 finite numbers
-  std::vector<Vec3> normals;    // "vn"; finite, and 0 for one that is none
-  std::vector<Vec2> uvs;        // "vt"; finite
-  std::vector<Rgb> colors;      // linear, one per position; empty if no vertex has one
+  std::vector<Vec3> positions;   // as many as "v" lines; not finite where the line has no 3 finite numbers
+  std::vector<Vec3> normals;     // "vn"; finite, and 0 for one that is none
+  std::vector<Vec2> uvs;         // "vt"; finite
+  std::vector<Vec2> second_uvs;  // beside `uvs`, of other formats; or empty
+  std::vector<Rgb> colors;       // linear, one per position; empty if no vertex has one
   std::vector<Library> libraries;
   int first_face_line = 0;
   std::size_t face_count = 0;  // at least 1

@@ -24,7 +24,7 @@ constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 // Where a property of vertices goes.
 using StoreValue = void (*)(MeshDescription& mesh, std::size_t vertex, float value);
 
-enum class VertexData { kPosition, kNormal, kUv, kColor };
+enum class VertexData { kPosition, kNormal, kUv, kSecondUv, kColor };
 
 struct KnownProperty {
   std::string_view name;
@@ -41,11 +41,13 @@ constexpr StoreValue kSetNormalY = [](MeshDescription& m, std::size_t i, float v
 constexpr StoreValue kSetNormalZ = [](MeshDescription& m, std::size_t i, float v) { m.normals[i].z = v; };
 constexpr StoreValue kSetU = [](MeshDescription& m, std::size_t i, float v) { m.uvs[i].x = v; };
 constexpr StoreValue kSetV = [](MeshDescription& m, std::size_t i, float v) { m.uvs[i].y = v; };
+constexpr StoreValue kSetSecondU = [](MeshDescription& m, std::size_t i, float v) { m.second_uvs[i].x = v; };
+constexpr StoreValue kSetSecondV = [](MeshDescription& m, std::size_t i, float v) { m.second_uvs[i].y = v; };
 constexpr StoreValue kSetRed = [](MeshDescription& m, std::size_t i, float v) { m.colors[i].r = v; };
 constexpr StoreValue kSetGreen = [](MeshDescription& m, std::size_t i, float v) { m.colors[i].g = v; };
 constexpr StoreValue kSetBlue = [](MeshDescription& m, std::size_t i, float v) { m.colors[i].b = v; };
 
-constexpr std::array<KnownProperty, 23> kKnownProperties{{
+constexpr std::array<KnownProperty, 25> kKnownProperties{{
     {"x", VertexData::kPosition, 0, kSetX},
     {"y", VertexData::kPosition, 1, kSetY},
     {"z", VertexData::kPosition, 2, kSetZ},
@@ -60,6 +62,8 @@ constexpr std::array<KnownProperty, 23> kKnownProperties{{
     {"texture_v", VertexData::kUv, 1, kSetV},
     {"texture_s", VertexData::kUv, 0, kSetU},
     {"texture_t", VertexData::kUv, 1, kSetV},
+    {"u1", VertexData::kSecondUv, 0, kSetSecondU},
+    {"v1", VertexData::kSecondUv, 1, kSetSecondV},
     {"red", VertexData::kColor, 0, kSetRed},
     {"green", VertexData::kColor, 1, kSetGreen},
     {"blue", VertexData::kColor, 2, kSetBlue},
@@ -76,9 +80,10 @@ const KnownProperty* known_property(const PlyProperty& property) {
   return property.is_list || found == kKnownProperties.end() ? nullptr : &*found;
 }
 
-// Whether the element has all components of the data.
+// Whether the element has all components of the data; second texture coordinates count beside first ones.
 bool has_data(const PlyElement& element, VertexData data) {
-  const int components = data == VertexData::kUv ? 2 : 3;
+  if (data == VertexData::kSecondUv && !has_data(element, VertexData::kUv)) return false;
+  const int components = data == VertexData::kUv || data == VertexData::kSecondUv ? 2 : 3;
   for (int component = 0; component < components; ++component)
     if (std::ranges::none_of(element.properties, [&](const PlyProperty& property) {
           const KnownProperty* known = known_property(property);
@@ -236,6 +241,7 @@ Status PlyReader::read_vertices(const PlyElement& element) {
   mesh.positions.resize(element.count);
   if (has_data(element, VertexData::kNormal)) mesh.normals.resize(element.count);
   if (has_data(element, VertexData::kUv)) mesh.uvs.resize(element.count);
+  if (has_data(element, VertexData::kSecondUv)) mesh.second_uvs.resize(element.count);
   if (has_data(element, VertexData::kColor)) mesh.colors.resize(element.count);
   const std::vector<PlyColumn> columns = vertex_columns(element);
   if (values_.is_binary() && !element.has_lists()) {

@@ -40,10 +40,11 @@ void check_whole_image(const Field& name, int index, const KnownNames& names, st
   if (index < 0) return;
   const TextureEntry& texture = (*names.textures)[static_cast<std::size_t>(index)];
   if (texture.scale != Vec2{1, 1} || texture.offset != Vec2{0, 0} || texture.wrap != Wrap::kRepeat ||
-      texture.wrap_v || texture.shear != Vec2{})
+      texture.wrap_v || texture.shear != Vec2{} || texture.uv_set != UvSet::kFirst ||
+      texture.filter != TextureFilter::kLinear)
     name.mistake(
-        fmt::format("{} is one whole image: leave out the texture's 'scale', 'offset', 'shear' and 'wrap'; "
-                    "{} turns it",
+        fmt::format("{} is one whole image: leave out the texture's 'scale', 'offset', 'shear', "
+                    "'uv_set', 'wrap' and 'filter'; {} turns it",
                     user, user == "the environment" ? "'rotation_degrees'" : "'orientation'"));
 }
 

@@ -17,6 +17,8 @@ namespace {
 using scene_keys::kChannels;
 using scene_keys::kColorSpaces;
 using scene_keys::kMaterialTypes;
+using scene_keys::kTextureFilters;
+using scene_keys::kUvSets;
 using scene_keys::kWraps;
 
 using Words = std::span<const std::string_view>;
@@ -125,7 +127,7 @@ struct TextureUses {
   void add(const Value& value) {
     if constexpr (std::same_as<Value, ColorParameter>) colors.insert(value.texture);
     if constexpr (std::same_as<Value, ScalarParameter> || std::same_as<Value, NormalMap> ||
-                  std::same_as<Value, BumpMap>)
+                  std::same_as<Value, BumpMap> || std::same_as<Value, TangentMap>)
       numbers.insert(value.texture);
   }
 };
@@ -165,6 +167,10 @@ std::vector<TextureEntry> read_textures(const Field& field) {
     if (const auto space = object.find("color_space"))
       texture.color_space = static_cast<ColorSpace>(read_choice(*space, Words(kColorSpaces)));
     texture.channel = read_or(object, "channel", texture.channel, read_choice, Words(kChannels));
+    if (const auto layer = object.find("layer")) {
+      texture.layer = read_text(*layer);
+      if (texture.channel == TextureChannel::kAlpha) layer->mistake("a layer has no alpha; name its channel");
+    }
     if (const auto space = object.find("color_space"); space && texture.channel == TextureChannel::kAlpha)
       space->mistake("alpha has no colour space; leave this out");
     texture.wrap = read_or(object, "wrap", texture.wrap, read_choice, Words(kWraps));
@@ -173,6 +179,8 @@ std::vector<TextureEntry> read_textures(const Field& field) {
     if (const auto wrap = object.find("wrap_v"))
       texture.wrap_v = static_cast<Wrap>(read_choice(*wrap, Words(kWraps)));
     texture.shear = read_or(object, "shear", texture.shear, read_vec2, ranges::kAny);
+    texture.uv_set = read_or(object, "uv_set", texture.uv_set, read_choice, Words(kUvSets));
+    texture.filter = read_or(object, "filter", texture.filter, read_choice, Words(kTextureFilters));
     textures.push_back(std::move(texture));
   }
   return textures;

@@ -23,10 +23,13 @@ struct TextureEntry {
   Place file_place;
   std::optional<ColorSpace> color_space;  // nullopt: determined by the file's format
   TextureChannel channel = TextureChannel::kColor;
+  std::string layer{};  // of an OpenEXR file
   Wrap wrap = Wrap::kRepeat;
   Vec2 scale{1, 1}, offset{0, 0};
   std::optional<Wrap> wrap_v{};
   Vec2 shear{0, 0};
+  UvSet uv_set = UvSet::kFirst;
+  TextureFilter filter = TextureFilter::kLinear;
 };
 
 struct GridEntry {

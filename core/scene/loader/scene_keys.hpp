@@ -46,8 +46,10 @@ inline constexpr std::array kRenderKeys{
     KeyRule{"crop"},      KeyRule{"clamp_indirect"}, KeyRule{"layers"}};
 inline constexpr std::array kOutputKeys{KeyRule{"exposure"}, KeyRule{"tone_curve"}};
 inline constexpr std::array kTextureKeys{
-    KeyRule{"file", kRequired}, KeyRule{"color_space"}, KeyRule{"channel"}, KeyRule{"wrap"},
-    KeyRule{"scale"},           KeyRule{"offset"},      KeyRule{"wrap_v"},  KeyRule{"shear"}};
+    KeyRule{"file", kRequired}, KeyRule{"color_space"}, KeyRule{"channel"},
+    KeyRule{"layer"},           KeyRule{"wrap"},        KeyRule{"scale"},
+    KeyRule{"offset"},          KeyRule{"wrap_v"},      KeyRule{"shear"},
+    KeyRule{"uv_set"},          KeyRule{"filter"}};
 inline constexpr std::array kGridKeys{KeyRule{"file", kRequired}, KeyRule{"filter"}, KeyRule{"border"}};
 inline constexpr std::array kObjectKeys{KeyRule{"shapes", kRequired}};
 inline constexpr std::array kTransformStepKeys{KeyRule{"scale"}, KeyRule{"rotate"}, KeyRule{"translate"},

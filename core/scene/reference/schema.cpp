@@ -154,7 +154,9 @@ Json SchemaWriter::object_schema(const Domain& domain) {
   Json object{{"type", "object"}, {"required", Json::array()}, {"additionalProperties", false}};
   set_keys(keys, object);
   if (domain.definition.empty()) return object;
-  set_keys(keys, object_at(fmt::format("/$defs/{}", domain.definition)));
+  Json& defined = object_at(fmt::format("/$defs/{}", domain.definition));
+  if (defined.is_null()) defined = object;
+  set_keys(keys, defined);
   return reference(domain.definition);
 }
 

@@ -50,6 +50,7 @@ inline constexpr Domain kLength{
     .range = {.min = 0, .max = 1e15}, .definition = "length", .values = "0 or more"};
 inline constexpr Domain kHairTilt{
     .range = {.min = -double{kMaxHairTiltDegrees}, .max = double{kMaxHairTiltDegrees}}};
+inline constexpr Domain kTangentTurns{.range = {.min = -1, .max = 1}, .definition = "tangent_turns"};
 inline constexpr Domain kNotNegative{.range = ranges::kNotNegative};
 inline constexpr Domain kPositive{.range = ranges::kPositive};
 inline constexpr Domain kUnit{.range = ranges::kUnit};
@@ -74,9 +75,14 @@ inline constexpr Domain kTransform{.definition = "transform", .values = "[transf
 
 // Objects with a table of their own.
 inline constexpr std::string_view kTextureObject = "a texture as {\"texture\": \"NAME\"}";
-inline constexpr Domain kNormalMap{.values = "`{ \"texture\": \"dents\", \"strength\": 1 }`",
+inline constexpr Domain kNormalMap{.definition = "normal_map_texture",
+                                   .values = "`{ \"texture\": \"dents\", \"strength\": 1 }`",
                                    .kind = "normal map",
                                    .instead_of_text = kTextureObject};
+inline constexpr Domain kTangentMap{.definition = "tangent_map",
+                                    .values = "`{ \"texture\": \"brush\" }`",
+                                    .kind = "tangent map",
+                                    .instead_of_text = kTextureObject};
 inline constexpr Domain kBump{.values = "`{ \"texture\": \"grain\", \"height\": 0.01 }`",
                               .kind = "bump map",
                               .instead_of_text = kTextureObject};

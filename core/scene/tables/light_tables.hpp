@@ -77,7 +77,9 @@ inline constexpr auto kKeys<SpotLightDescription> = std::tuple{
     TrackedKey{"softness", &SpotLightDescription::softness, &LightAnimation::softness, domains::kUnit,
                "the outer fraction of the cone over which the intensity falls off; 0 is a sharp edge"},
     Key{"falloff", &SpotLightDescription::falloff, domains::kSpotFalloff,
-        "a cubic in the cosine of the angle to the axis, or linear in the angle"},
+        "a cubic in the cosine of the angle to the axis, linear in the angle, or the square of a ramp that "
+        "is "
+        "linear in the cosine"},
     Key{"image", &SpotLightDescription::image, domains::kProjectedImage, "what the light projects",
         KeyTraits{.otherwise = "none"}},
     group_key<SpotLightDescription>(),
@@ -100,7 +102,8 @@ inline constexpr auto kKeys<EnvironmentDescription> = std::tuple{
         "texture", &EnvironmentDescription::radiance, &ColorParameter::texture, domains::kTextureName,
         "an equirectangular image, twice as wide as high, preferably HDR. Its centre is at −z, to the right "
         "of "
-        "that is +x, its upper edge is +y. The texture must not have `wrap`, `scale`, `shear` or `offset`",
+        "that is +x, its upper edge is +y. The texture must not have `wrap`, `scale`, `shear`, `offset` or "
+        "`uv_set`",
         KeyTraits{.otherwise = "none"}},
     PartKey{"radiance", &EnvironmentDescription::radiance, &ColorParameter::value, domains::kEnvironmentColor,
             "the radiance from every direction; multiplies the texture", KeyTraits{.has_keyframes = true}},

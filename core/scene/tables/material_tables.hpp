@@ -20,6 +20,34 @@ constexpr auto microfacet_keys(MicrofacetKind Owner::*kind) {
 }
 
 template <>
+inline constexpr auto kKeys<NormalMap> = std::tuple{
+    Key{"texture", &NormalMap::texture, domains::kTextureName, "a name in `textures`",
+        KeyTraits{.required = true}},
+    Key{"strength", &NormalMap::strength, domains::kStrength,
+        "the factor of the slopes: 0 is flat, and a negative one turns dents into bumps",
+        KeyTraits{.has_keyframes = true}},
+};
+
+template <>
+inline constexpr auto kKeys<TangentMap> = std::tuple{
+    Key{"texture", &TangentMap::texture, domains::kTextureName, "a name in `textures`",
+        KeyTraits{.required = true}},
+};
+
+// The names are those of the map and of the angle.
+template <typename Owner>
+constexpr auto tangent_keys(std::string_view map, std::string_view rotation,
+                            TangentDirection Owner::*direction) {
+  return std::tuple{
+      PartKey{map, direction, &TangentDirection::map, domains::kTangentMap,
+              "a texture of the direction along which highlights are stretched: red and green are its "
+              "components from −1 to 1 along increasing u and v",
+              KeyTraits{.otherwise = "increasing u"}},
+      PartKey{rotation, direction, &TangentDirection::rotation, domains::kTangentTurns,
+              "turns that direction, in turns from increasing u towards increasing v"}};
+}
+
+template <>
 inline constexpr auto kKeys<Lambert> = std::tuple{
     Key{"albedo", &Lambert::albedo, domains::kShare, "the reflectance"},
 };
@@ -71,50 +99,59 @@ inline constexpr auto kKeys<CookTorrance> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<Principled> = std::tuple{
-    Key{"base_weight", &Principled::base_weight, domains::kWeight, "multiplies `base_color`"},
-    Key{"base_color", &Principled::base_color, domains::kShare,
-        "the colour of diffuse reflection, and of metal at normal incidence"},
-    Key{"base_diffuse_roughness", &Principled::base_diffuse_roughness, domains::kWeight,
-        "the roughness of the diffuse base; 0 is Lambert"},
-    Key{"base_metalness", &Principled::base_metalness, domains::kWeight, "the share of metal"},
-    Key{"subsurface_weight", &Principled::subsurface_weight, domains::kWeight,
-        "the share of subsurface scattering, approximated by diffuse reflection"},
-    Key{"subsurface_color", &Principled::subsurface_color, domains::kShare,
-        "the colour of subsurface scattering"},
-    Key{"specular_weight", &Principled::specular_weight, domains::kWeight,
-        "multiplies the reflectance at normal incidence"},
-    Key{"specular_color", &Principled::specular_color, domains::kShare,
-        "the tint of the reflection; of metal, near the horizon"},
-    Key{"specular_roughness", &Principled::specular_roughness, domains::kRoughness,
-        "the roughness; α is its square"},
-    Key{"specular_roughness_anisotropy", &Principled::specular_roughness_anisotropy, domains::kWeight,
-        "stretches highlights along increasing u"},
-    Key{"specular_ior", &Principled::specular_ior, domains::kIor, "the index of refraction"},
-    Key{"transmission_weight", &Principled::transmission_weight, domains::kWeight,
-        "the share of the base that is clear"},
-    Key{"transmission_color", &Principled::transmission_color, domains::kShare,
-        "the colour of transmitted light, at each crossing"},
-    Key{"transmission_depth", &Principled::transmission_depth, domains::kLength,
-        "where transmitted light has `transmission_color`; 0: at each crossing"},
-    Key{"coat_weight", &Principled::coat_weight, domains::kWeight, "the share that a clear coat covers"},
-    Key{"coat_color", &Principled::coat_color, domains::kShare, "what the coat lets through"},
-    Key{"coat_roughness", &Principled::coat_roughness, domains::kRoughness, "the roughness of the coat"},
-    Key{"coat_ior", &Principled::coat_ior, domains::kIor, "the index of refraction of the coat"},
-    Key{"coat_darkening", &Principled::coat_darkening, domains::kWeight,
-        "how much reflection inside the coat darkens the base"},
-    Key{"fuzz_weight", &Principled::fuzz_weight, domains::kWeight,
-        "the share that fuzz covers, as on cloth or dust"},
-    Key{"fuzz_color", &Principled::fuzz_color, domains::kShare, "the colour of fuzz"},
-    Key{"fuzz_roughness", &Principled::fuzz_roughness, domains::kWeight, "the roughness of fuzz"},
-    Key{"thin_film_weight", &Principled::thin_film_weight, domains::kWeight,
-        "the share that a thin film covers"},
-    Key{"thin_film_thickness", &Principled::thin_film_thickness, domains::kLength,
-        "the thickness of the film, in micrometres"},
-    Key{"thin_film_ior", &Principled::thin_film_ior, domains::kIor, "the index of refraction of the film"},
-    Key{"geometry_thin_walled", &Principled::geometry_thin_walled, domains::kTruth,
-        "whether the surface is a sheet without volume; light passes unrefracted"},
-};
+inline constexpr auto kKeys<Principled> = std::tuple_cat(
+    std::tuple{
+        Key{"base_weight", &Principled::base_weight, domains::kWeight, "multiplies `base_color`"},
+        Key{"base_color", &Principled::base_color, domains::kShare,
+            "the colour of diffuse reflection, and of metal at normal incidence"},
+        Key{"base_diffuse_roughness", &Principled::base_diffuse_roughness, domains::kWeight,
+            "the roughness of the diffuse base; 0 is Lambert"},
+        Key{"base_metalness", &Principled::base_metalness, domains::kWeight, "the share of metal"},
+        Key{"subsurface_weight", &Principled::subsurface_weight, domains::kWeight,
+            "the share of subsurface scattering, approximated by diffuse reflection"},
+        Key{"subsurface_color", &Principled::subsurface_color, domains::kShare,
+            "the colour of subsurface scattering"},
+        Key{"specular_weight", &Principled::specular_weight, domains::kWeight,
+            "multiplies the reflectance at normal incidence"},
+        Key{"specular_color", &Principled::specular_color, domains::kShare,
+            "the tint of the reflection; of metal, near the horizon"},
+        Key{"specular_roughness", &Principled::specular_roughness, domains::kRoughness,
+            "the roughness; α is its square"},
+        Key{"specular_roughness_anisotropy", &Principled::specular_roughness_anisotropy, domains::kWeight,
+            "stretches highlights along the tangent"},
+        Key{"specular_ior", &Principled::specular_ior, domains::kIor, "the index of refraction"},
+        Key{"transmission_weight", &Principled::transmission_weight, domains::kWeight,
+            "the share of the base that is clear"},
+        Key{"transmission_color", &Principled::transmission_color, domains::kShare,
+            "the colour of transmitted light, at each crossing"},
+        Key{"transmission_depth", &Principled::transmission_depth, domains::kLength,
+            "where transmitted light has `transmission_color`; 0: at each crossing"},
+        Key{"coat_weight", &Principled::coat_weight, domains::kWeight, "the share that a clear coat covers"},
+        Key{"coat_color", &Principled::coat_color, domains::kShare, "what the coat lets through"},
+        Key{"coat_roughness", &Principled::coat_roughness, domains::kRoughness, "the roughness of the coat"},
+        Key{"coat_roughness_anisotropy", &Principled::coat_roughness_anisotropy, domains::kWeight,
+            "stretches highlights of the coat along the tangent of the coat"},
+        Key{"coat_ior", &Principled::coat_ior, domains::kIor, "the index of refraction of the coat"},
+        Key{"coat_darkening", &Principled::coat_darkening, domains::kWeight,
+            "how much reflection inside the coat darkens the base"},
+        Key{"fuzz_weight", &Principled::fuzz_weight, domains::kWeight,
+            "the share that fuzz covers, as on cloth or dust"},
+        Key{"fuzz_color", &Principled::fuzz_color, domains::kShare, "the colour of fuzz"},
+        Key{"fuzz_roughness", &Principled::fuzz_roughness, domains::kWeight, "the roughness of fuzz"},
+        Key{"thin_film_weight", &Principled::thin_film_weight, domains::kWeight,
+            "the share that a thin film covers"},
+        Key{"thin_film_thickness", &Principled::thin_film_thickness, domains::kLength,
+            "the thickness of the film, in micrometres"},
+        Key{"thin_film_ior", &Principled::thin_film_ior, domains::kIor,
+            "the index of refraction of the film"},
+        Key{"geometry_thin_walled", &Principled::geometry_thin_walled, domains::kTruth,
+            "whether the surface is a sheet without volume; light passes unrefracted"},
+        Key{"geometry_coat_normal", &Principled::geometry_coat_normal, domains::kNormalMap,
+            "a normal map of the coat, as `normal_map`. The coat then has neither that nor `bump`",
+            KeyTraits{.otherwise = "none"}},
+    },
+    tangent_keys("geometry_tangent", "geometry_tangent_rotation", &Principled::tangent),
+    tangent_keys("geometry_coat_tangent", "geometry_coat_tangent_rotation", &Principled::coat_tangent));
 
 template <>
 inline constexpr auto kKeys<Plastic> = std::tuple_cat(
@@ -148,8 +185,9 @@ inline constexpr auto kKeys<ConductorMaterial> = std::tuple_cat(
         Key{"specular", &ConductorMaterial::specular, domains::kShare, "multiplies the reflection"},
         Key{"roughness", &ConductorMaterial::roughness, domains::kRoughness, "the roughness; 0 is a mirror"},
         Key{"anisotropy", &ConductorMaterial::anisotropy, domains::kWeight,
-            "stretches highlights along increasing u"},
+            "stretches highlights along the tangent"},
     },
+    tangent_keys("tangent", "tangent_rotation", &ConductorMaterial::tangent),
     microfacet_keys(&ConductorMaterial::microfacets));
 
 template <>
@@ -173,6 +211,8 @@ inline constexpr auto kKeys<Blend> = std::tuple{
              "materials that stand above the blend in the file. They may be blends themselves, 8 deep",
              {.required = true}},
     Key{"weight", &Blend::weight, domains::kWeight, "the share of the second"},
+    Key{"by_side", &Blend::by_side, domains::kTruth,
+        "whether the first is the front and the second the back, whatever the `weight`"},
     Unkeyed{&Blend::first},
     Unkeyed{&Blend::second},
 };
@@ -198,38 +238,32 @@ inline constexpr auto kKeys<Hair> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<Disney> = std::tuple{
-    Key{"base_color", &Disney::base_color, domains::kShare,
-        "the colour of diffuse reflection, of metal and of transmitted light"},
-    Key{"metallic", &Disney::metallic, domains::kWeight, "the share of metal"},
-    Key{"roughness", &Disney::roughness, domains::kRoughness, "the roughness"},
-    Key{"anisotropic", &Disney::anisotropic, domains::kWeight, "stretches highlights along increasing u"},
-    Key{"ior", &Disney::ior, domains::kIor, "the index of refraction"},
-    Key{"specular_tint", &Disney::specular_tint, domains::kWeight,
-        "how much the base colour tints the reflection of the dielectric"},
-    Key{"specular_transmission", &Disney::specular_transmission, domains::kWeight,
-        "the share of the dielectric that is clear"},
-    Key{"flatness", &Disney::flatness, domains::kWeight,
-        "flattens diffuse reflection, as subsurface scattering does"},
-    Key{"sheen", &Disney::sheen, domains::kWeight, "the brightness of cloth at grazing angles"},
-    Key{"sheen_tint", &Disney::sheen_tint, domains::kWeight, "how much the base colour tints the sheen"},
-    Key{"clearcoat", &Disney::clearcoat, domains::kWeight, "the strength of a second highlight"},
-    Key{"clearcoat_gloss", &Disney::clearcoat_gloss, domains::kWeight, "how sharp the second highlight is"},
-    Key{"diffuse_transmission", &Disney::diffuse_transmission, domains::kWeight,
-        "the share of diffuse light that goes through a thin sheet"},
-    Key{"thin_walled", &Disney::thin_walled, domains::kTruth,
-        "whether the surface is a sheet without volume, through which light passes unrefracted; it has "
-        "neither metal nor clearcoat"},
-};
-
-template <>
-inline constexpr auto kKeys<NormalMap> = std::tuple{
-    Key{"texture", &NormalMap::texture, domains::kTextureName, "a name in `textures`",
-        KeyTraits{.required = true}},
-    Key{"strength", &NormalMap::strength, domains::kStrength,
-        "the factor of the slopes: 0 is flat, and a negative one turns dents into bumps",
-        KeyTraits{.has_keyframes = true}},
-};
+inline constexpr auto kKeys<Disney> = std::tuple_cat(
+    std::tuple{
+        Key{"base_color", &Disney::base_color, domains::kShare,
+            "the colour of diffuse reflection, of metal and of transmitted light"},
+        Key{"metallic", &Disney::metallic, domains::kWeight, "the share of metal"},
+        Key{"roughness", &Disney::roughness, domains::kRoughness, "the roughness"},
+        Key{"anisotropic", &Disney::anisotropic, domains::kWeight, "stretches highlights along the tangent"},
+        Key{"ior", &Disney::ior, domains::kIor, "the index of refraction"},
+        Key{"specular_tint", &Disney::specular_tint, domains::kWeight,
+            "how much the base colour tints the reflection of the dielectric"},
+        Key{"specular_transmission", &Disney::specular_transmission, domains::kWeight,
+            "the share of the dielectric that is clear"},
+        Key{"flatness", &Disney::flatness, domains::kWeight,
+            "flattens diffuse reflection, as subsurface scattering does"},
+        Key{"sheen", &Disney::sheen, domains::kWeight, "the brightness of cloth at grazing angles"},
+        Key{"sheen_tint", &Disney::sheen_tint, domains::kWeight, "how much the base colour tints the sheen"},
+        Key{"clearcoat", &Disney::clearcoat, domains::kWeight, "the strength of a second highlight"},
+        Key{"clearcoat_gloss", &Disney::clearcoat_gloss, domains::kWeight,
+            "how sharp the second highlight is"},
+        Key{"diffuse_transmission", &Disney::diffuse_transmission, domains::kWeight,
+            "the share of diffuse light that goes through a thin sheet"},
+        Key{"thin_walled", &Disney::thin_walled, domains::kTruth,
+            "whether the surface is a sheet without volume, through which light passes unrefracted; it has "
+            "neither metal nor clearcoat"},
+    },
+    tangent_keys("tangent", "tangent_rotation", &Disney::tangent));
 
 template <>
 inline constexpr auto kKeys<BumpMap> = std::tuple{

@@ -38,22 +38,38 @@ inline constexpr std::array<std::string_view, 7> kShapeTypes{"mesh", "sphere",  
                                                              "disk", "cylinder", "curves"};
 inline constexpr std::array<std::string_view, 4> kCurveBases{"linear", "bezier", "b_spline", "catmull_rom"};
 inline constexpr std::array<std::string_view, 3> kCurveShapes{"round", "flat", "ribbon"};
-inline constexpr std::array<std::string_view, 2> kSpotFalloffs{"smooth", "linear"};
+inline constexpr std::array<std::string_view, 3> kSpotFalloffs{"smooth", "linear", "squared"};
 inline constexpr std::array<std::string_view, 3> kLightTypes{"point", "spot", "directional"};
 inline constexpr std::array<std::string_view, 3> kNormals{"file", "smooth", "flat"};
 inline constexpr std::array<std::string_view, 2> kVertexColors{"use", "ignore"};
 inline constexpr std::array<std::string_view, 2> kColorSpaces{"srgb", "linear"};
 inline constexpr std::array<std::string_view, 3> kWraps{"repeat", "clamp", "mirror"};
+inline constexpr std::array<std::string_view, 2> kUvSets{"first", "second"};
 inline constexpr std::array<std::string_view, 5> kChannels{"color", "alpha", "red", "green", "blue"};
 inline constexpr std::array<std::string_view, 2> kSides{"both", "front"};
 inline constexpr std::array<std::string_view, 2> kShadingNormals{"conserving", "plain"};
+inline constexpr std::array<std::string_view, 2> kTextureFilters{"linear", "nearest"};
 inline constexpr std::array<std::string_view, 2> kGridFilters{"linear", "nearest"};
 inline constexpr std::array<std::string_view, 2> kGridBorders{"clamp", "zero"};
 inline constexpr std::array<std::string_view, 3> kDielectricFresnels{"exact", "schlick", "none"};
 inline constexpr std::array<std::string_view, 2> kPhongLobes{"n+1", "n+2"};
-inline constexpr std::array<std::string_view, 10> kConductors{
-    "copper",   "gold",   "silver",   "aluminium", "brass",
-    "chromium", "nickel", "tungsten", "mercury",   "titanium_nitride"};
+inline constexpr std::array<std::string_view, 17> kConductors{"copper",
+                                                              "gold",
+                                                              "silver",
+                                                              "aluminium",
+                                                              "brass",
+                                                              "chromium",
+                                                              "nickel",
+                                                              "tungsten",
+                                                              "mercury",
+                                                              "titanium_nitride",
+                                                              "magnesium_oxide",
+                                                              "titanium_dioxide",
+                                                              "titanium_dioxide_extraordinary",
+                                                              "diamond",
+                                                              "caesium_iodide",
+                                                              "silicon_carbide",
+                                                              "beryllium"};
 inline constexpr std::array<std::string_view, 2> kMaskings{"smith", "schlick"};
 inline constexpr std::array<std::string_view, 2> kDistributions{"ggx", "beckmann"};
 inline constexpr std::array<std::string_view, 2> kSmithMaskings{"smith", "separable"};

@@ -31,7 +31,7 @@ class PlyWriter {
 };
 
 std::string PlyWriter::write() {
-  constexpr std::size_t kMaxVertexBytes = 44, kMaxFaceBytes = 17, kHeaderBytes = 1024;
+  constexpr std::size_t kMaxVertexBytes = 52, kMaxFaceBytes = 17, kHeaderBytes = 1024;
   bytes_.reserve(kHeaderBytes + kMaxVertexBytes * mesh_.positions.size() +
                  kMaxFaceBytes * mesh_.triangles.size());
   header();
@@ -49,6 +49,7 @@ void PlyWriter::header() {
   add_properties("float", {"x", "y", "z"});
   if (!mesh_.normals.empty()) add_properties("float", {"nx", "ny", "nz"});
   if (!mesh_.uvs.empty()) add_properties("float", {"u", "v"});
+  if (!mesh_.second_uvs.empty()) add_properties("float", {"u1", "v1"});
   if (!mesh_.colors.empty()) add_properties("float", {"red", "green", "blue"});
   bytes_ += fmt::format("element face {}\nproperty list uchar uint vertex_indices\n", mesh_.triangles.size());
   if (!materials_.empty()) add_properties("uint", {"material_index"});
@@ -67,9 +68,10 @@ void PlyWriter::vertex(std::size_t i) {
   };
   put_vector(mesh_.positions[i]);
   if (!mesh_.normals.empty()) put_vector(mesh_.normals[i]);
-  if (!mesh_.uvs.empty()) {
-    put(mesh_.uvs[i].x);
-    put(mesh_.uvs[i].y);
+  for (const std::vector<Vec2>* uvs : {&mesh_.uvs, &mesh_.second_uvs}) {
+    if (uvs->empty()) continue;
+    put((*uvs)[i].x);
+    put((*uvs)[i].y);
   }
   if (!mesh_.colors.empty()) put_vector({mesh_.colors[i].r, mesh_.colors[i].g, mesh_.colors[i].b});
 }

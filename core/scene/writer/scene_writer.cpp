@@ -199,6 +199,10 @@ Status SceneWriter::add_textures(Object& textures) {
     entry.add_unless(json_text::vector(Vec2{1, 1}), "scale", json_text::vector(texture.scale));
     entry.add_unless(json_text::vector(Vec2{0, 0}), "offset", json_text::vector(texture.offset));
     entry.add_unless(json_text::vector(Vec2{0, 0}), "shear", json_text::vector(texture.shear));
+    entry.add_unless(choice_text(scene_keys::kUvSets, UvSet::kFirst), "uv_set",
+                     choice_text(scene_keys::kUvSets, texture.uv_set));
+    if (texture.filter == TextureFilter::kNearest)
+      entry.add("filter", choice_text(scene_keys::kTextureFilters, texture.filter));
     names_.textures.push_back(fmt::format("texture {}", i));
     textures.add(names_.textures.back(), entry.on_one_line());
   }

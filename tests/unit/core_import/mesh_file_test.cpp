@@ -117,6 +117,16 @@ TEST(Ply, KnowsTheUsualNamesOfTextureCoordinates) {
   }
 }
 
+TEST(Ply, ReadsSecondTextureCoordinatesBesideFirstOnes) {
+  const std::string second = "property float u1\nproperty float v1\n";
+  const MeshFile both = ply(quad_with("property float u\nproperty float v\n" + second, "0.5 2 7 8"));
+  EXPECT_EQ(both.mesh.uvs.at(1), (Vec2{0.5f, 2}));
+  EXPECT_EQ(both.mesh.second_uvs.at(3), (Vec2{7, 8}));
+  const MeshFile alone = ply(quad_with(second, "7 8"));
+  EXPECT_THAT(alone.mesh.second_uvs, IsEmpty());
+  EXPECT_THAT(alone.warnings.messages("m.ply").at(0), HasSubstr("the property 'u1' of 'vertex' is not used"));
+}
+
 TEST(Ply, ReadsByteColorsAsSrgbAndFloatsAsLinear) {
   const MeshFile bytes =
       ply(quad_with("property uchar red\nproperty uchar green\nproperty uchar blue\n", "255 0 188"));

@@ -102,6 +102,31 @@ TEST(SceneWriter, WritesMeshesThatDeform) {
   expect_round_trip(scene);
 }
 
+// Also where vertices are split at creases, which computes normals.
+TEST(SceneWriter, WritesSecondTextureCoordinates) {
+  const std::string bent =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float u\nproperty float v\nproperty float u1\nproperty float v1\nelement face 2\n"
+      "property list uchar int vertex_indices\nend_header\n0 0 0 0 0 0.1 3\n1 0 0 1 0 0.2 4\n0 1 0 0 1 0.3 "
+      "5\n"
+      "0 0 1 1 1 0.4 6\n3 0 1 2\n3 0 3 1\n";
+  const SceneDescription scene = loaded(
+      R"({
+    "camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]},
+    "textures": {"a": {"file": "a.png"}, "b": {"file": "a.png", "uv_set": "second"}},
+    "materials": {"l": {"type": "lambert", "albedo": {"texture": "a"}, "emission": {"texture": "b"}}},
+    "shapes": [{"type": "mesh", "file": "bent.ply", "material": "l"}]})",
+      {{"bent.ply", bent}, {"a.png", test::png(test::one_color(2, 2, Rgb::gray(0.5f)))}});
+  const auto& mesh = std::get<MeshDescription>(scene.shapes[0]);
+  EXPECT_GT(mesh.positions.size(), 4u);
+  ASSERT_EQ(mesh.second_uvs.size(), mesh.positions.size());
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    EXPECT_FLOAT_EQ(mesh.second_uvs[i].x, 0.1f + 0.1f * mesh.positions[i].x + 0.2f * mesh.positions[i].y +
+                                              0.3f * mesh.positions[i].z);
+  EXPECT_EQ(scene.textures[1].uv_set, UvSet::kSecond);
+  expect_round_trip(scene);
+}
+
 TEST(SceneWriter, WritesAllPartsOfAScene) {
   const std::string scene = R"({
     "render": {"width": 33, "height": 20, "spp": 5, "seed": 18446744073709551615, "integrator": "nee",
@@ -119,7 +144,12 @@ TEST(SceneWriter, WritesAllPartsOfAScene) {
       "bucket": {"type": "plastic", "roughness": 0.5, "masking": "separable", "compensated": false, "internal_reflection": 0.5},
       "painted": {"type": "lambert", "albedo": {"texture": "t", "tint": [0.9, 0.8, 0.7]},
                   "normal_map": {"texture": "n", "strength": 0.5}, "bump": {"texture": "n", "height": -0.02}},
-      "cloth": {"type": "disney", "sheen": 0.5, "thin_walled": true, "shading_normals": "plain"},
+      "brushed": {"type": "principled", "specular_roughness_anisotropy": 0.7, "geometry_tangent": {"texture": "n"},
+                  "geometry_tangent_rotation": 0.3, "coat_roughness_anisotropy": 0.5,
+                  "geometry_coat_tangent_rotation": {"texture": "n", "scale": 0.5},
+                  "geometry_coat_normal": {"texture": "n", "strength": 0.25}},
+      "foil": {"type": "conductor", "anisotropy": 0.5, "tangent": {"texture": "n"}, "tangent_rotation": -0.25},
+      "cloth": {"type": "disney", "anisotropic": 0.5, "tangent_rotation": 0.125, "sheen": 0.5, "thin_walled": true, "shading_normals": "plain"},
       "fur": {"type": "hair", "reflectance": 0.5, "beta_m": 0.2, "tilt_degrees": 3},
       "brown hair": {"type": "hair", "pheomelanin": 0.3, "ior": 1.5},
       "pigment": {"type": "hair", "sigma_a": [0.1, 0.2, 0]},
@@ -169,7 +199,9 @@ TEST(SceneWriter, WritesKeyframes) {
             "bump": {"texture": "t", "height": {"keyframes": [{"frame": 3, "value": 0.1}]}},
             "opacity": {"texture": "t", "scale": {"keyframes": [{"frame": 0, "value": 0.5}]}}},
       "g": {"type": "glass", "ior": {"keyframes": [{"frame": 0, "value": 1.5}, {"frame": 9, "value": 2}]},
-            "reflectance": {"texture": "t", "tint": {"keyframes": [{"frame": 0, "value": [1, 0, 0]}]}}}},
+            "reflectance": {"texture": "t", "tint": {"keyframes": [{"frame": 0, "value": [1, 0, 0]}]}}},
+      "c": {"type": "conductor", "anisotropy": 0.5,
+            "tangent_rotation": {"keyframes": [{"frame": 0, "value": 0}, {"frame": 8, "value": 1}]}}},
     "environment": {"radiance": {"keyframes": [{"frame": 0, "value": 0}, {"frame": 9, "value": 1}]},
                     "rotation_degrees": {"keyframes": [{"frame": 0, "value": 0}, {"frame": 9, "value": 90}]}},
     "objects": {"o": {"shapes": [{"type": "sphere", "radius": 1, "material": "l"}]}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes of unknown origin: how much they may hold, and that a picture is refused before it is unpacked.
+// Scenes of unknown origin: how much they may hold, and that an image is refused before it is unpacked.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 
 #include "core/scene/loader/loader.hpp"
 #include "core/textures/image_decoder.hpp"
-#include "tests/support/hostile_pictures.hpp"
+#include "tests/support/hostile_images.hpp"
 #include "tests/unit/core_scene/memory_assets.hpp"
 
 namespace tessera::core {
@@ -133,7 +133,7 @@ TEST_F(SceneLimitsTest, LightsByTheMaterialOfAnInstance) {
       HasSubstr("has 3 lights"));
 }
 
-TEST_F(SceneLimitsTest, PixelsOfOnePictureWhateverItsFormat) {
+TEST_F(SceneLimitsTest, PixelsOfOneImageWhateverItsFormat) {
   files_["a.png"] = test::png(one_color(10, 7, {}));
   files_["b.jpg"] = jpeg(10, 7);
   files_["c.hdr"] = test::hdr(one_color(10, 7, {}));
@@ -158,7 +158,7 @@ TEST_F(SceneLimitsTest, TheHeaderIsEnough) {
     EXPECT_THAT(load_textures({file}), HasSubstr("has 30000 x 30000 = 900000000 pixels")) << file;
 }
 
-TEST_F(SceneLimitsTest, PixelsOfAllPictures) {
+TEST_F(SceneLimitsTest, PixelsOfAllImages) {
   files_["a.png"] = test::png(one_color(10, 7, {}));
   files_["b.png"] = test::png(one_color(10, 7, Rgb::gray(1)));
   limits_.scene_texture_pixels.most = 140;
@@ -179,7 +179,7 @@ TEST(TextureBomb, OnePixelDoesNotUnpackToMegabytes) {
   }
 }
 
-TEST(TextureBomb, PicturesOfAllShapesHaveTheMemoryTheyNeed) {
+TEST(TextureBomb, ImagesOfAllShapesHaveTheMemoryTheyNeed) {
   for (const auto& [width, height] :
        {std::pair(1, 1), std::pair(1, 4000), std::pair(4000, 1), std::pair(513, 257)}) {
     const auto decoded = decode_texture_image(jpeg(width, height), ColorSpace::kSrgb);

@@ -72,17 +72,78 @@ TEST(MeshMaterials, PutsMapsOnTheMattPartOfMaterialsWithHighlights) {
   EXPECT_EQ(model.f0.texture, -1);
 }
 
+SceneDescription with_material(const std::string& mtl, MemoryAssets::Files files = {}) {
+  files.emplace("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+  files.emplace("a.mtl", "newmtl m\n" + mtl);
+  return load(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"), files);
+}
+
+TEST(MeshMaterials, KeepsTheTexelsOfPhysicallyBasedMaps) {
+  const SceneDescription scene =
+      with_material("Kd 0.5\nmap_Pr gray.png\nmap_Pm gray.png\nmap_Ps gray.png\nmap_Pc gray.png\n");
+  const auto& model = std::get<Principled>(scene.materials.back().model);
+  for (const ScalarParameter& parameter :
+       {model.specular_roughness, model.base_metalness, model.coat_weight, model.fuzz_weight}) {
+    ASSERT_GE(parameter.texture, 0);
+    const Texture& texture = scene.textures.at(static_cast<std::size_t>(parameter.texture));
+    EXPECT_EQ(texture.image->color_space(), ColorSpace::kLinear);
+  }
+  EXPECT_TRUE(scene.warnings.empty());
+}
+
+// As packed images of games have them.
+TEST(MeshMaterials, TakesTheChannelThatTheFileNames) {
+  const Image packed = test::one_color(1, 1, {0.25f, 0.5f, 1});
+  const SceneDescription scene =
+      with_material("Kd 0.5\nmap_Pr -imfchan g p.hdr\nmap_Pm -imfchan b p.hdr\nmap_d -imfchan r p.hdr\n",
+                    {{"p.hdr", test::hdr(packed)}});
+  const Material& material = scene.materials.back();
+  const auto& model = std::get<Principled>(material.model);
+  const auto value = [&](const ScalarParameter& parameter) {
+    return scene.textures.at(static_cast<std::size_t>(parameter.texture)).image->texel(0, 0).r;
+  };
+  EXPECT_NEAR(value(model.specular_roughness), 0.5f, 0.01f);
+  EXPECT_NEAR(value(model.base_metalness), 1, 0.01f);
+  EXPECT_NEAR(value(material.opacity), 0.25f, 0.01f);
+}
+
+TEST(MeshMaterials, ClampsReflectancesAboveOne) {
+  Image bright = test::one_color(3, 1, Rgb::gray(0.5f));
+  bright.at(1, 0) = {4, 0.25f, 0};
+  bright.at(2, 0) = {0, 0, 2};
+  for (const std::string map : {"map_Kd", "map_Ks"}) {
+    const SceneDescription scene =
+        with_material("Kd 1\nKs 1\nNs 250\n" + map + " b.hdr\n", {{"b.hdr", test::hdr(bright)}});
+    ASSERT_EQ(scene.textures.size(), 1u);
+    const TextureImage& image = *scene.textures[0].image;
+    EXPECT_NEAR(image.texel(0, 0).g, 0.5f, 0.01f);
+    EXPECT_EQ(image.texel(1, 0).r, 1);
+    EXPECT_NEAR(image.texel(1, 0).g, 0.25f, 0.02f);
+    EXPECT_EQ(image.texel(2, 0).b, 1);
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{
+                                  "a.mtl:5: 'b.hdr' has values above 1, and nothing reflects more light than "
+                                  "it gets; they are clamped (2 texels)"});
+  }
+}
+
+TEST(MeshMaterials, TellsWhatHasNoEffect) {
+  using Strings = std::vector<std::string>;
+  EXPECT_EQ(with_material("Kd 0.5\nTf 0.5\nillum 2\n").warnings,
+            Strings{"a.mtl: 'Tf' is used for materials that transmit light only"});
+  EXPECT_TRUE(with_material("Kd 0.5\nPr 0.5\nTf 0.5\nillum 2\n").warnings.empty());
+}
+
 TEST(MeshMaterials, FindsMapsWhoseNamesHaveSpacesAndMarks) {
-  const std::string picture = test::png(test::one_color(1, 1, Rgb::gray(1)));
+  const std::string image = test::png(test::one_color(1, 1, Rgb::gray(1)));
   for (const std::string name : {"red brick #2.png", "my maps\\red.png", "\"a b.png\"", "2.png # old"}) {
     const auto scene =
         test::load(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"),
                    {{"a.obj", "mtllib sub\\a.mtl\r\nv 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nusemtl m\r\nf 1 2 3"},
                     {"sub/a.mtl", "newmtl m\r\nmap_Kd " + name + "\r\n"},
-                    {"sub/red brick #2.png", picture},
-                    {"sub/my maps/red.png", picture},
-                    {"sub/a b.png", picture},
-                    {"sub/2.png", picture}});
+                    {"sub/red brick #2.png", image},
+                    {"sub/my maps/red.png", image},
+                    {"sub/a b.png", image},
+                    {"sub/2.png", image}});
     EXPECT_TRUE(scene.has_value()) << name << ": " << scene.error().message;
   }
 }

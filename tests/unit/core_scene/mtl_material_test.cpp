@@ -4,6 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <utility>
+
+#include "core/materials/fresnel.hpp"
+
 namespace tessera::core {
 namespace {
 
@@ -63,25 +68,115 @@ TEST(MtlMaterials, WithoutDiffusePartAreMetalsOfTheirHighlight) {
   EXPECT_EQ(m.f0.value, (Rgb{0.9f, 0.6f, 1}));
 }
 
-TEST(MtlMaterials, OfPhysicallyBasedExtensionsAreMicrofacets) {
-  const auto gold =
-      model<CookTorrance>("Ns 0\nKa 1 1 1\nKd 0.9 0.6 0.2\nKs 0.5 0.5 0.5\nillum 3\nPr 0.6\nPm 1\n");
-  EXPECT_TRUE(is_black(gold.diffuse.value));
-  expect_near(gold.f0.value, {0.9f, 0.6f, 0.2f});
-  EXPECT_EQ(gold.roughness.value, 0.6f);
-  EXPECT_EQ(gold.specular.value, Rgb::gray(1));
-  const auto plastic = model<CookTorrance>(
-      "Kd 0.8 0.1 0.1\nKs 0.5 0.5 0.5\nillum 3\nPr 0.8\nPm 0.25\nmap_Kd a.png\n", kDiffuse);
-  expect_near(plastic.diffuse.value, {0.6f, 0.075f, 0.075f});
-  EXPECT_EQ(plastic.diffuse.texture, 0);
-  expect_near(plastic.f0.value, {0.23f, 0.055f, 0.055f});
-  EXPECT_EQ(plastic.f0.texture, 0);
-  MtlTextures textures{.roughness = 3};
-  textures.metallic = 1.0f;
-  const auto mapped = model<CookTorrance>("Kd 0.5\nPr 0.1\nmap_Pr r.png\nmap_Pm m.png\n", textures);
-  EXPECT_EQ(mapped.roughness.texture, 3);
-  EXPECT_EQ(mapped.roughness.value, 1);
-  expect_near(mapped.f0.value, Rgb::gray(0.5f));
+// What Blender writes for gold, and for plastic that is a quarter metal.
+TEST(MtlMaterials, OfThePhysicallyBasedExtensionArePrincipled) {
+  const auto gold = model<Principled>(
+      "Ns 0\nKa 1 1 1\nKd 0.9 0.6 0.2\nKs 0.5 0.5 0.5\nNi 1.5\nd 1\nillum 3\nPr 0.6\nPm 1\n");
+  EXPECT_EQ(gold.base_color.value, (Rgb{0.9f, 0.6f, 0.2f}));
+  EXPECT_EQ(gold.base_metalness.value, 1);
+  EXPECT_EQ(gold.specular_roughness.value, 0.6f);
+  EXPECT_EQ(gold.specular_weight.value, 1);
+  const auto plastic =
+      model<Principled>("Kd 0.8 0.1 0.1\nKs 0.5 0.5 0.5\nillum 3\nPr 0.8\nPm 0.25\nmap_Kd a.png\n", kDiffuse);
+  EXPECT_EQ(plastic.base_color.value, (Rgb{0.8f, 0.1f, 0.1f}));
+  EXPECT_EQ(plastic.base_color.texture, 0);
+  EXPECT_EQ(plastic.base_metalness.value, 0.25f);
+  EXPECT_NEAR(plastic.specular_ior.value, 1.5f, 1e-6f);
+  EXPECT_EQ(plastic.coat_weight.value, 0);
+  EXPECT_EQ(plastic.fuzz_weight.value, 0);
+  EXPECT_EQ(plastic.transmission_weight.value, 0);
+}
+
+TEST(MtlMaterials, HaveMapsOfThePhysicallyBasedExtensionForEachTexel) {
+  const MtlTextures textures{.roughness = 3, .metallic = 4, .coat = 5, .coat_roughness = 6, .sheen = 7};
+  const auto m = model<Principled>(
+      "Kd 0.5\nPr 0.1\nPm 0\nmap_Pr r.png\nmap_Pm m.png\nmap_Pc c.png\nmap_Pcr d.png\nmap_Ps s.png\n",
+      textures);
+  const std::pair<ScalarParameter, int> expected[] = {{m.specular_roughness, 3},
+                                                      {m.base_metalness, 4},
+                                                      {m.coat_weight, 5},
+                                                      {m.coat_roughness, 6},
+                                                      {m.fuzz_weight, 7}};
+  for (const auto& [parameter, texture] : expected) {
+    EXPECT_EQ(parameter.texture, texture);
+    EXPECT_EQ(parameter.value, 1);  // a map replaces its number
+  }
+  // Where the image is missing, the number counts.
+  EXPECT_EQ(model<Principled>("Kd 0.5\nPm 0.5\nmap_Pm gone.png\n").base_metalness.value, 0.5f);
+}
+
+TEST(MtlMaterials, HaveTheirCoatAndSheen) {
+  const auto coated = model<Principled>("Kd 0.5\nPc 3\nPcr 0.25\n");
+  EXPECT_EQ(coated.coat_weight.value, 0.75f);
+  EXPECT_EQ(coated.coat_roughness.value, 0.25f);
+  EXPECT_EQ(coated.coat_ior.value, 1.5f);
+  EXPECT_EQ(coated.coat_darkening.value, 0);
+  const auto velvet = model<Principled>("Kd 0.5\nPs 0.5 0.25 0\n");
+  EXPECT_EQ(velvet.fuzz_weight.value, 0.5f);
+  EXPECT_EQ(velvet.fuzz_color.value, (Rgb{1, 0.5f, 0}));
+}
+
+// Ks scales the reflectance of the index: 0.5 is that of the index, as in Blender.
+TEST(MtlMaterials, OfThePhysicallyBasedExtensionReflectByIndexAndKs) {
+  const auto reflectance = [](const std::string& statements) {
+    return normal_reflectance(model<Principled>("Kd 0.5\nPr 0.5\n" + statements).specular_ior.value);
+  };
+  EXPECT_NEAR(reflectance(""), 0.04f, 1e-6f);
+  EXPECT_NEAR(reflectance("Ks 1 1 1\n"), 0.08f, 1e-6f);
+  EXPECT_NEAR(reflectance("Ks 0 0 0\n"), 0, 1e-6f);
+  EXPECT_NEAR(reflectance("Ks 0.5 0.5 0.5\nNi 2\n"), 1.0f / 9, 1e-6f);
+  EXPECT_NEAR(reflectance("Ni 1\n"), 0.04f, 1e-6f);  // Maya's default, which means nothing
+  const auto tinted = model<Principled>("Kd 0.5\nPr 0.5\nKs 0.5 0.25 0\nmap_Ks s.png\n", {.specular = 2});
+  EXPECT_EQ(tinted.specular_color.value, (Rgb{1, 0.5f, 0}));
+  EXPECT_EQ(tinted.specular_color.texture, 2);
+}
+
+// Opaque materials of 3ds Max and Maya, with a roughness map.
+TEST(MtlMaterials, WithOtherProgramsTfAreOpaque) {
+  for (const char* const keys : {"Ns 10\nNi 1.5\nd 1\nTr 0\nTf 1 1 1\nillum 2\nKa 0.6\nKd 0.6\nPr 0.4\n",
+                                 "illum 4\nKd 0.6\nd 1\nTf 1 1 1\nNi 1\nPr 0.4\n"}) {
+    EXPECT_EQ(model<Principled>(keys).transmission_weight.value, 0) << keys;
+    EXPECT_TRUE(is_opaque(made(keys), {})) << keys;
+  }
+  EXPECT_EQ(made("Kd 0.6\nKs 0.5\nd 0\nillum 9\nPr 0.4\n").opacity.value, 0);  // alpha of 0 in Blender
+}
+
+TEST(MtlMaterials, OfThePhysicallyBasedExtensionTransmitByTfOrIllum) {
+  // What Blender writes for transmission.
+  const auto half =
+      model<Principled>("Kd 0.8 0.4 0.2\nKs 0.5\nNi 1.33\nd 1\nillum 2\nTf 0.5\nPr 0.1\nPm 0\n");
+  EXPECT_EQ(half.transmission_weight.value, 0.5f);
+  EXPECT_EQ(half.transmission_color.value, (Rgb{0.8f, 0.4f, 0.2f}));
+  EXPECT_EQ(half.specular_ior.value, 1.33f);
+  const Material glass = made("Ni 1.33\nTf 0.9 1 0.9\nd 0.1\nillum 6\nPr 0.3\n");
+  const auto& clear = std::get<Principled>(glass.model);
+  EXPECT_EQ(clear.transmission_weight.value, 1);
+  EXPECT_EQ(clear.transmission_color.value, (Rgb{0.9f, 1, 0.9f}));
+  EXPECT_EQ(clear.specular_ior.value, 1.33f);
+  EXPECT_EQ(clear.specular_roughness.value, 0.3f);
+  EXPECT_EQ(glass.opacity.value, 1);
+  // What Blender writes for metal of alpha 0.25.
+  const Material metal = made("Kd 0.8\nKs 0.5\nNi 1.5\nd 0.25\nillum 6\nPr 0.3\nPm 1\n");
+  EXPECT_EQ(std::get<Principled>(metal.model).transmission_weight.value, 0);
+  EXPECT_EQ(metal.opacity.value, 0.25f);
+}
+
+// Both roughnesses keep Burley's ratio and geometric mean.
+TEST(MtlMaterials, AreAnisotropicAsDisneys) {
+  const auto m = model<Principled>("Kd 0.5\nPr 0.4\naniso 0.5\n");
+  EXPECT_NEAR(m.specular_roughness_anisotropy.value, 0.45f, 1e-6f);
+  const float alpha = m.specular_roughness.value * m.specular_roughness.value;
+  const float narrow = 1 - m.specular_roughness_anisotropy.value;
+  const float along = alpha * std::sqrt(2 / (1 + narrow * narrow));
+  EXPECT_NEAR(along, 0.16f / std::sqrt(0.55f), 1e-5f);
+  EXPECT_NEAR(along * narrow, 0.16f * std::sqrt(0.55f), 1e-5f);
+}
+
+// Files of Ks and Ns that also have layers of 0.
+TEST(MtlMaterials, AreNotPhysicallyBasedByLayersOfNothing) {
+  EXPECT_EQ(
+      model<CookTorrance>("Kd 0.5\nKs 0.5\nNs 250\nPc 0\nPcr 0.03\nPs 0 0 0\naniso 0\n").roughness.value,
+      0.5f);
 }
 
 TEST(MtlMaterials, ThatReflectAreMetalsOfTheirColor) {
@@ -115,7 +210,7 @@ TEST(MtlMaterials, AreGlassWhereTheyRefract) {
   }
   EXPECT_EQ(model<Glass>("illum 7\n").ior.value, 1.5f);
   EXPECT_EQ(model<Glass>("d 0.1\nillum 7\n").transmittance.value, Rgb::gray(1));
-  EXPECT_EQ(model<Glass>("illum 6\nPr 0.3\n").roughness.value, 0.3f);
+  EXPECT_EQ(model<Glass>("illum 6\nmap_Ns r.png\n", {.roughness = 2}).roughness.texture, 2);
 }
 
 TEST(MtlMaterials, AreCutOutRatherThanGlass) {

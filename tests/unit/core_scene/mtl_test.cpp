@@ -60,6 +60,26 @@ TEST(MtlReader, KnowsTheMapsByAllTheirNames) {
   EXPECT_EQ(one("\nmap_Kd a.png").diffuse_map->line, 3);
 }
 
+TEST(MtlReader, ReadsThePhysicallyBasedExtension) {
+  const std::string text =
+      "newmtl m\nPr 0.25\nPm 0.5\nPc 0.75\nPcr 0.125\nPs 0.5 0.25 1\naniso 0.5\nanisor 0.25\n"
+      "map_Pr r.png\nmap_Pm m.png\nmap_Pc c.png\nmap_Pcr d.png\nmap_Ps s.png\n";
+  const MtlFile file = read_mtl(text);
+  EXPECT_TRUE(file.warnings.empty());
+  const MtlMaterial& m = file.materials.at(0);
+  EXPECT_EQ(m.roughness, 0.25f);
+  EXPECT_EQ(m.metallic, 0.5f);
+  EXPECT_EQ(m.coat, 0.75f);
+  EXPECT_EQ(m.coat_roughness, 0.125f);
+  EXPECT_EQ(m.sheen, (Rgb{0.5f, 0.25f, 1}));
+  EXPECT_EQ(m.anisotropy, 0.5f);
+  EXPECT_EQ(m.anisotropy_rotation, 0.25f);
+  EXPECT_EQ(m.coat_map->file, "c.png");
+  EXPECT_EQ(m.coat_roughness_map->file, "d.png");
+  EXPECT_EQ(m.sheen_map->file, "s.png");
+  EXPECT_EQ(one("Ps 0.5").sheen, Rgb::gray(0.5f));
+}
+
 TEST(MtlReader, ReadsColorsOfOneNumberAndComments) {
   EXPECT_EQ(one("Kd 0.5 # gray\n").diffuse, Rgb::gray(0.5f));
   EXPECT_EQ(one("Kd 1 0.5 0#c\n# Kd 2\n").diffuse, (Rgb{1, 0.5f, 0}));
@@ -110,12 +130,13 @@ TEST(MtlReader, TellsWhatItDoesNotTakeAsWritten) {
       {"newmtl a\nmap_Kd # none\n", "2: 'map_Kd' names no image; the line is ignored"},
       {"newmtl a\nbump -bm\n", "2: 'bump' names no image; the line is ignored"},
       {"newmtl a\nrefl a.hdr\nrefl b.hdr\n", "2: 'refl' is not used (2 times)"},
-      {"newmtl a\nPc 0.5\n", "2: 'Pc' is not used"},
+      {"newmtl a\nPc 5\n", "2: 'Pc' must be a number between 0 and 4, got '5'; 4 is used"},
+      {"newmtl a\nPs 1 2 0\n", "2: 'Ps' must be 3 numbers between 0 and 1, got '1 2 0'; it is clamped"},
+      {"newmtl a\ndisp a.png\n", "2: 'disp' is not used"},
       {"newmtl a\n\xff\n", "2: '\\xff' is not used"},
   };
   for (const auto& [text, message] : cases) EXPECT_EQ(warnings_of(text), Strings{"x.mtl:" + message}) << text;
-  EXPECT_TRUE(
-      warnings_of("newmtl a\nKa 1 1 1\nmap_Ka a.png\nPc 0\nPcr 0.03\nPs 0.0 0.0 0.0\naniso 0\n").empty());
+  EXPECT_TRUE(warnings_of("newmtl a\nKa 1 1 1\nmap_Ka a.png\nsharpness 60\n").empty());
 }
 
 TEST(MtlReader, ReadsTheOptionsOfMaps) {
@@ -130,7 +151,10 @@ TEST(MtlReader, ReadsTheOptionsOfMaps) {
       {"-o -.5 1e-1 a.png", {.file = "a.png", .offset = {-0.5f, 0.1f}}},
       {"-clamp on -s 2 2 2 a.png", {.file = "a.png", .clamp = true, .scale = {2, 2}}},
       {"-clamp off a.png", {.file = "a.png"}},
-      {"-blendu on -blendv off -cc on -imfchan r -type sphere -colorspace sRGB a.png", {.file = "a.png"}},
+      {"-blendu on -blendv off -cc on -imfchan r -type sphere -colorspace sRGB a.png",
+       {.file = "a.png", .channel = TextureChannel::kRed}},
+      {"-imfchan b a.png", {.file = "a.png", .channel = TextureChannel::kBlue}},
+      {"-imfchan l a.png", {.file = "a.png"}},
       {"-bm 1 -boost 2 -mm 0 1 -texres 512 -t 1 1 1 C:\\maps\\a b.png", {.file = "C:\\maps\\a b.png"}},
       {"-bm -0.5 a.png", {.file = "a.png", .bump_multiplier = -0.5f}},
       {"\"a b.png\"", {.file = "a b.png"}},

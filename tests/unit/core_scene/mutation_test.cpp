@@ -112,6 +112,8 @@ const std::string kScene = test::scene_with(
     "\"emission\": {\"texture\": \"t\", \"tint\": 5}}, // comment\n"
     "\"g\": {\"type\": \"glass\", \"ior\": 1.5, \"transmittance\": [1, 0.9, 0.8], \"fresnel\": \"none\", "
     "\"roughness\": {\"texture\": \"t\", \"scale\": 0.4}},\n"
+    "\"b\": {\"type\": \"principled\", \"coat_roughness_anisotropy\": 0.5, "
+    "\"geometry_tangent\": {\"texture\": \"t\"}, \"geometry_tangent_rotation\": 0.25},\n"
     "\"p\": {\"type\": \"phong\", \"diffuse\": 0.4, \"specular\": 0.5, \"exponent\": 9, \"lobe\": \"n+2\"},\n"
     "\"c\": {\"type\": \"cook_torrance\", \"conductor\": \"gold\", \"sampling\": \"half_vector\", "
     "\"normal_map\": {\"texture\": \"t\", \"strength\": 2}, \"bump\": {\"texture\": \"t\", \"height\": 0.1}, "

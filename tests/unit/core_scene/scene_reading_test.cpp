@@ -2,6 +2,9 @@
 // What good scene files turn into.
 #include <gtest/gtest.h>
 
+#include <utility>
+
+#include "core/image/encode.hpp"
 #include "tests/support/near.hpp"
 #include "tests/unit/core_scene/memory_assets.hpp"
 
@@ -302,14 +305,31 @@ TEST(SceneReading, TakesTexturesUsedForNumbersAloneAsLinear) {
   EXPECT_EQ(t[1].image->color_space(), ColorSpace::kLinear);
 }
 
-TEST(SceneReading, TakesTexturesAndDecodesEachPictureOnce) {
+TEST(SceneReading, TakesEnvironmentsInFloatFormats) {
+  Image sky = test::one_color(4, 2, Rgb::gray(0.5f));
+  sky.at(3, 1) = {1000, 0.25f, 0};
+  for (const auto& [name, format] :
+       {std::pair("sky.exr", ImageFormat::kExr), std::pair("sky.pfm", ImageFormat::kPfm)}) {
+    const std::string keys = "\"textures\": {\"sky\": {\"file\": \"" + std::string(name) +
+                             "\"}}, \"environment\": {\"texture\": \"sky\"}";
+    const SceneDescription scene = load(scene_with(keys, "", ""), {{name, *encode_image(sky, format)}});
+    ASSERT_TRUE(scene.environment) << name;
+    ASSERT_EQ(scene.environment->radiance.texture, 0) << name;
+    EXPECT_EQ(scene.textures[0].image->texel(3, 1), (Rgb{1000, 0.25f, 0})) << name;
+    EXPECT_EQ(scene.textures[0].image->texel(0, 0), Rgb::gray(0.5f)) << name;
+    EXPECT_TRUE(scene.warnings.empty()) << name;
+  }
+}
+
+TEST(SceneReading, TakesTexturesAndDecodesEachImageOnce) {
   MemoryAssets assets(
       {{"gray.png", test::png(test::one_color(4, 2, Rgb::gray(0.5f)))},
        {"scene.json",
         scene_with(
             "\"textures\": {\"a\": {\"file\": \"gray.png\"},"
             "\"b\": {\"file\": \"gray.png\", \"wrap\": \"clamp\", \"scale\": [2, 3], \"offset\": [0.5, 0],"
-            "\"wrap_v\": \"mirror\", \"shear\": [0.25, 4]},"
+            "\"wrap_v\": \"mirror\", \"shear\": [0.25, 4], \"uv_set\": \"second\", "
+            "\"filter\": \"nearest\"},"
             "\"c\": {\"file\": \"gray.png\", \"color_space\": \"linear\"}}",
             "", "")}});
   const auto scene = load_scene(assets, "scene.json", "scene.json");
@@ -324,6 +344,9 @@ TEST(SceneReading, TakesTexturesAndDecodesEachPictureOnce) {
   EXPECT_EQ(t[1].offset, (Vec2{0.5f, 0}));
   EXPECT_EQ(t[1].wrap_v, Wrap::kMirror);
   EXPECT_EQ(t[1].shear, (Vec2{0.25f, 4}));
+  EXPECT_EQ(t[0].uv_set, UvSet::kFirst);
+  EXPECT_EQ(t[1].uv_set, UvSet::kSecond);
+  EXPECT_EQ(t[1].filter, TextureFilter::kNearest);
   EXPECT_NEAR(t[0].evaluate({0.3f, 0.3f}).r, 0.5f, 5e-3f);
   EXPECT_EQ(t[2].evaluate({0.3f, 0.3f}).r, 188.0f / 255);
   EXPECT_EQ(assets.reads().at("gray.png"), 2);

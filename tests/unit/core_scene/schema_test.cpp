@@ -77,6 +77,8 @@ TEST(Schema, HasTheWordsThatTheLoaderKnows) {
   expect_words("/$defs/texture/properties/color_space", scene_keys::kColorSpaces);
   expect_words("/$defs/texture/properties/wrap", scene_keys::kWraps);
   expect_words("/$defs/texture/properties/wrap_v", scene_keys::kWraps);
+  expect_words("/$defs/texture/properties/uv_set", scene_keys::kUvSets);
+  expect_words("/$defs/texture/properties/filter", scene_keys::kTextureFilters);
   expect_words("/$defs/emission_sides", scene_keys::kSides);
   expect_words("/$defs/sides", scene_keys::kSides);
   expect_words("/$defs/shading_normals", scene_keys::kShadingNormals);

@@ -207,7 +207,7 @@ TEST(SceneMistakes, InTheEnvironment) {
           {"\"texture\": \"sun\"", "environment.texture: there is no texture 'sun'; known is 'sky'"},
           {"\"texture\": \"sky\"",
            "environment.texture: the environment is one whole image: leave out the texture's 'scale', "
-           "'offset', 'shear' and 'wrap'; 'rotation_degrees' turns it"},
+           "'offset', 'shear', 'uv_set', 'wrap' and 'filter'; 'rotation_degrees' turns it"},
       },
       with_environment, 2);
 }

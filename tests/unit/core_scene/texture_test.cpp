@@ -12,7 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/image/encode.hpp"
 #include "core/image/srgb.hpp"
+#include "core/scene/loader/loader.hpp"
 #include "core/textures/image_decoder.hpp"
 #include "tests/unit/core_scene/memory_assets.hpp"
 
@@ -28,6 +30,58 @@ Texture texture_of(int width, int height, std::vector<float> grays, Wrap wrap = 
   std::vector<float> texels;
   for (const float gray : grays) texels.insert(texels.end(), {gray, gray * 2, gray * 4});
   return {std::make_shared<const TextureImage>(width, height, std::move(texels)), wrap};
+}
+
+// One pixel of the channels R, G, B, Depth.Z, Tint.R, Tint.G and Tint.B with the values 1/8 to 7/8.
+std::string layered_exr() {
+  static constexpr std::array kValues{0.125f, 0.25f, 0.375f, 0.5f, 0.625f, 0.75f, 0.875f};
+  ChannelRows source;
+  source.width = source.height = 1;
+  source.channels = {"R", "G", "B", "Depth.Z", "Tint.R", "Tint.G", "Tint.B"};
+  source.row = [](int) -> Result<const float*> { return kValues.data(); };
+  return encode_channels(source, ImageFormat::kExr, {}).value_or("");
+}
+
+TEST(TextureDecoding, LayersAndChannelsOfOpenExrAreSelectable) {
+  const std::string bytes = layered_exr();
+  const auto texel = [&](std::string_view layer, TextureChannel channel = TextureChannel::kColor) {
+    return decode_texture_image(bytes, ColorSpace::kLinear, channel, nullptr, layer)->texel(0, 0);
+  };
+  EXPECT_EQ(texel(""), (Rgb{0.125f, 0.25f, 0.375f}));
+  EXPECT_EQ(texel("Tint"), (Rgb{0.625f, 0.75f, 0.875f}));
+  EXPECT_EQ(texel("Tint", TextureChannel::kGreen), Rgb::gray(0.75f));
+  EXPECT_EQ(texel("Depth.Z"), Rgb::gray(0.5f));
+  EXPECT_FALSE(decode_texture_image(bytes, ColorSpace::kLinear, TextureChannel::kColor, nullptr, "Mist"));
+}
+
+// A chunk gAMA of 1.0 behind the header.
+TEST(TextureDecoding, ColourProfilesAreTold) {
+  std::string bytes = png(one_color(2, 2, Rgb::gray(0.5f)));
+  bytes.insert(33, std::string("\0\0\0\4gAMA\0\1\x86\xa0\x31\xe8\x96\x5f", 16));
+  std::vector<std::string> warnings;
+  ASSERT_TRUE(decode_texture_image(bytes, ColorSpace::kSrgb, TextureChannel::kColor, &warnings));
+  EXPECT_EQ(warnings,
+            (std::vector<std::string>{
+                "has the colour profile 'gamma 1', which is not used: its values count as sRGB or linear"}));
+}
+
+// In scene files: "layer".
+TEST(TextureDecoding, SceneFilesNameLayers) {
+  const auto loaded = [](const std::string& keys) {
+    test::MemoryAssets assets(
+        {{"a.exr", layered_exr()}, {"scene.json", R"({"camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]},
+      "textures": {"t": {"file": "a.exr")" + keys + R"(}},
+      "materials": {"m": {"type": "lambert", "albedo": {"texture": "t"}}},
+      "shapes": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}]})"}});
+    return load_scene(assets, "scene.json", "scene.json");
+  };
+  const auto scene = loaded(R"(, "layer": "Tint")");
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->textures.at(0).evaluate({0.5f, 0.5f}), (Rgb{0.625f, 0.75f, 0.875f}));
+  const auto mistaken = loaded(R"(, "layer": "Tnt")");
+  ASSERT_FALSE(mistaken);
+  EXPECT_NE(mistaken.error().message.find("did you mean 'Tint'?"), std::string::npos)
+      << mistaken.error().message;
 }
 
 TEST(Texture, HitsTexelCentresExactlyWithVUpwards) {
@@ -77,6 +131,20 @@ TEST(Texture, MirrorsAtEachEdge) {
   EXPECT_EQ(t.evaluate({1, 0.5f}).r, 3);
 }
 
+TEST(Texture, HasTheValueOfTheNearestTexel) {
+  Texture t = texture_of(3, 1, {1, 5, 2});
+  t.filter = TextureFilter::kNearest;
+  for (const auto& [u, expected] : {std::pair(0.01f, 1.0f),
+                                    {0.32f, 1.0f},
+                                    {0.34f, 5.0f},
+                                    {0.66f, 5.0f},
+                                    {0.67f, 2.0f},
+                                    {0.99f, 2.0f},
+                                    {1.01f, 1.0f},
+                                    {-0.01f, 2.0f}})
+    EXPECT_NEAR(t.evaluate({u, 0.1f}).r, expected, 1e-5f) << u;
+}
+
 TEST(Texture, WrapsAlongVByItself) {
   Texture t = texture_of(4, 4, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}, Wrap::kClamp);
   t.wrap_v = Wrap::kRepeat;
@@ -96,7 +164,7 @@ TEST(Texture, IsRotatedByShear) {
   EXPECT_EQ(t.evaluate({0.25f, 0.25f}).r, 4);
 }
 
-TEST(Texture, StaysInThePictureForAnyCoordinates) {
+TEST(Texture, StaysInTheImageForAnyCoordinates) {
   const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
   const float odd[] = {inf, -inf, nan, 1e30f, -1e30f, -1e-30f, 0.99999994f, 1, -0.0f, 16777216.5f};
   for (const Wrap wrap : {Wrap::kRepeat, Wrap::kClamp, Wrap::kMirror}) {
@@ -179,7 +247,7 @@ TEST(DecodeTexture, Keeps16BitsOfPng) {
   EXPECT_EQ(linear->texel(0, 0), Rgb::gray(0x8000 / 65535.0f));
 }
 
-// A picture whose left half has one colour and the right half another.
+// An image whose left half has one colour and the right half another.
 std::string jpeg() {
   std::vector<std::uint8_t> texels;
   for (int i = 0; i < 32 * 16; ++i)

@@ -95,7 +95,7 @@ TEST_F(BlockFile, OfAnotherVersionIsRefused) {
 // The header's fields and its checksum, as they lie in the file.
 constexpr std::size_t kBlocksEnd = 32, kPieceCount = 40, kHeaderChecksum = 72;
 
-TEST_F(BlockFile, IsRefusedWhereItsHeaderSpeaksOfWhatIsNotThere) {
+TEST_F(BlockFile, RefusesAHeaderThatExceedsTheFile) {
   write({numbered_bytes(200, 1)}, numbered_bytes(20, 3));
   const std::string good = read_file(path());
   for (const std::size_t field : {kBlocksEnd, kPieceCount}) {
@@ -121,6 +121,21 @@ TEST_F(BlockFile, IsThereOnlyWhenItIsComplete) {
     EXPECT_EQ(BlockFileReader::open(path(), kVersion, 1).error().code, ErrorCode::kNotFound);
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path())) << "nothing is left behind";
+}
+
+TEST_F(BlockFile, HasItsSizeBeforeItIsWritten) {
+  const Bytes block = numbered_bytes(1000, 1);
+  for (const std::uint64_t reserved : {1u, 500u, 1u << 20}) {
+    auto writer = BlockFileWriter::create(path(), kVersion, 1).value();
+    writer.reserve(reserved);
+    const auto partial = std::filesystem::directory_iterator(folder_.path())->path();
+    EXPECT_GE(std::filesystem::file_size(partial), reserved);
+    writer.write_block(block);
+    ASSERT_TRUE(writer.finish({}));
+    EXPECT_TRUE(holds({block}, {})) << reserved;
+    EXPECT_LT(std::filesystem::file_size(path()), 2 * block.size());
+    std::filesystem::remove(path());
+  }
 }
 
 TEST_F(BlockFile, CanHaveNoNameOfItsOwn) {

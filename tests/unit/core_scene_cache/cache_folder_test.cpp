@@ -58,7 +58,7 @@ TEST_F(CacheFolder, CountsWhatIsBeingWritten) {
   EXPECT_TRUE(has("c.1.partial") && !has("a") && !has("b"));
 }
 
-TEST_F(CacheFolder, DoesNotKeepWhatADeadWriterReserved) {
+TEST_F(CacheFolder, ReleasesReservationsOfDeadProcesses) {
   add("a", 10, 1), add("c.1.partial", 10, 2);
   EXPECT_EQ(remove_beyond(10), 10u);
   EXPECT_TRUE(has("a") && !has("c.1.partial"));
@@ -95,7 +95,7 @@ TEST_F(CacheFolder, CountsWhatIsMarkedAsUsedJustNow) {
   EXPECT_TRUE(has("b") && !has("a"));
 }
 
-TEST_F(CacheFolder, LosesWhatDeadWritersLeft) {
+TEST_F(CacheFolder, DeletesFilesOfDeadProcesses) {
   add("a.1.partial", 1, 25), add("b.2.partial", 1, 1), add("c", 1, 25);
   add("theirs.3.partial", 1, 25), add("notes.partial", 1, 25), add(".partial", 1, 25);
   remove_abandoned(folder_.path(), is_ours);

@@ -72,6 +72,19 @@ TEST_F(LoadedScene, LosesNothing) {
   EXPECT_TRUE(Scene::build(*read, 1)->bvh() == Scene::build(fingerprint_scene(), 1)->bvh());
 }
 
+TEST_F(LoadedScene, KeepsSecondTextureCoordinates) {
+  SceneDescription scene = fingerprint_scene();
+  MeshDescription& mesh = mesh_of(scene);
+  mesh.uvs.resize(mesh.positions.size());
+  mesh.second_uvs.assign(mesh.positions.size(), {0.25f, 7});
+  scene.textures.at(0).uv_set = UvSet::kSecond;
+  const auto read = passed(scene);
+  ASSERT_TRUE(read) << read.error().message;
+  SceneDescription copy = *read;
+  EXPECT_EQ(mesh_of(copy).second_uvs, mesh.second_uvs);
+  EXPECT_EQ(read->textures.at(0).uv_set, UvSet::kSecond);
+}
+
 TEST_F(LoadedScene, KeepsMedia) {
   SceneDescription scene = fingerprint_scene();
   scene.grids = {{.size = {2, 1, 1}, .values = {1, 2}, .border = GridBorder::kZero}};

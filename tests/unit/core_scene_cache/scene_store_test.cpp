@@ -10,6 +10,7 @@
 
 #include "core/integrators/fingerprint.hpp"
 #include "core/integrators/render.hpp"
+#include "core/scene/cache/archive.hpp"
 #include "core/scene/loader/loader.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -67,17 +68,17 @@ class Store : public testing::Test {
   SceneStore store_;
 };
 
-FilmTile picture(const Scene& scene) {
+FilmTile render_small(const Scene& scene) {
   RenderSettings settings = scene.settings();
   settings.width_px = settings.height_px = 32;
   return render(prepare(scene, settings, 2), {0, 0, 32, 32}, {0, 4}, 2);
 }
 
-TEST_F(Store, GivesTheSameSceneAndPicture) {
+TEST_F(Store, GivesTheSameSceneAndImage) {
   const Scene built = everything(), kept = everything();
   EXPECT_EQ(loads_, 1);
   EXPECT_TRUE(kept.bvh() == built.bvh());
-  const FilmTile a = picture(built), b = picture(kept);
+  const FilmTile a = render_small(built), b = render_small(kept);
   EXPECT_TRUE(a.sums == b.sums && a.odd_sums == b.odd_sums);
   EXPECT_TRUE(warnings_.empty());
 }
@@ -109,7 +110,7 @@ TEST_F(Store, IgnoresWhatIsDamagedWithAWarning) {
       const Scene scene = everything();
       EXPECT_TRUE(scene.bvh() == built.bvh());
       if (at == good.size() / 2) {
-        EXPECT_TRUE(picture(scene).sums == picture(built).sums);
+        EXPECT_TRUE(render_small(scene).sums == render_small(built).sums);
       }
       EXPECT_EQ(loads_, ++expected_loads);
       EXPECT_THAT(warnings_, testing::ElementsAre(testing::HasSubstr("scene cache"))) << at;
@@ -209,6 +210,27 @@ TEST_F(Store, StaysWithinItsSize) {
   everything("another");
   EXPECT_FALSE(fs::exists(first));
   EXPECT_EQ(files(".scene").size(), 1u);
+}
+
+// A scene counts from the moment when room is made for it, also in the store of another worker.
+TEST_F(Store, CountsScenesThatAreBeingWritten) {
+  everything();
+  const std::uint64_t bytes = fs::file_size(only_scene());
+  fs::remove(only_scene());
+  const auto begin = [&](const std::string& key) {
+    return open(bytes * 3 / 2).prepare(key, 1, [] { return fingerprint_scene(); }).value();
+  };
+  std::vector<PreparedScene> prepared;
+  for (const char* key : {"one", "two", "three"}) prepared.push_back(begin(key));
+  std::uint64_t reserved = 0;
+  for (const fs::path& file : files(".partial")) reserved += fs::file_size(file);
+  EXPECT_GE(reserved, stored::stored_bytes(prepared[0].description));
+  EXPECT_LE(reserved, bytes * 3 / 2);
+  for (PreparedScene& scene : prepared) ASSERT_TRUE(build_scene(std::move(scene), 1));
+  EXPECT_TRUE(files(".partial").empty());
+  std::uint64_t kept = 0;
+  for (const fs::path& file : files(".scene")) kept += fs::file_size(file);
+  EXPECT_LE(kept, bytes * 3 / 2);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ Position played(const std::string& text, std::optional<int> moves = {}) {
   return position ? std::move(*position) : Position{};
 }
 
-TEST(Sgf, ReadsWhoPlayedAndWhatWasPlayed) {
+TEST(Sgf, ReadsPlayersAndMoves) {
   const GameRecord record = parsed(
       "(;GM[1]FF[4]SZ[13]PB[Ann]PW[Bo]EV[Club]DT[2020-02-02]RE[B+R]KM[6.5]\n;B[dd];W[jj]C[a "
       "comment]\n;B[kc])");
@@ -233,7 +233,7 @@ TEST(Replay, ACapturedLastWhiteStoneIsNoLongerThere) {
   EXPECT_EQ(position.board.captured(Stone::kWhite), 1);
 }
 
-TEST(ShippedGame, HasLostOneStoneOfEachColourWhenThePictureIsTaken) {
+TEST(ShippedGame, HasLostOneStoneOfEachColourWhenTheImageIsTaken) {
   const std::string path = TESSERA_SOURCE_DIR "/scenes/go/lee_sedol_alphago_4.sgf";
   const core::Result<std::string> text = core::read_file(path);
   ASSERT_TRUE(text);

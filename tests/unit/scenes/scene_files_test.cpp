@@ -78,7 +78,7 @@ TEST(GlassAndWater, DiffersInFresnelAlone) {
   EXPECT_EQ(without_material_key(with, "fresnel"), without_material_key(without, "fresnel"));
 }
 
-TEST(VeachMis, RegionsLieInThePicture) {
+TEST(VeachMis, RegionsLieInTheImage) {
   const json scene = read("veach_mis/scene.json");
   std::ifstream file(kScenes + "veach_mis/regions.txt");
   int count = 0;
