@@ -7,6 +7,19 @@
 
 namespace tessera::proto {
 
+namespace {
+
+// From the first one after the unspecified one to the last.
+template <typename State>
+std::map<std::string, State> states_by_name(State last) {
+  std::map<std::string, State> states;
+  for (int state = 1; state <= last; ++state)
+    states[state_name(static_cast<State>(state))] = static_cast<State>(state);
+  return states;
+}
+
+}  // namespace
+
 std::string short_id(const std::string& id) {
   return id.substr(0, 12);
 }
@@ -55,16 +68,56 @@ std::string event_name(v1::JobEvent::Kind kind) {
   }
 }
 
-std::string worker_state(const v1::Worker& worker) {
-  if (worker.quarantined()) return "quarantined";
-  if (worker.silent()) return "silent";
-  if (worker.drain_requested()) return worker.held_leases() > 0 ? "draining" : "drained";
-  if (worker.draining()) return "leaving";
-  if (worker.stuck()) return "stuck";
-  if (worker.cooldowns().empty()) return worker.held_leases() > 0 ? "working" : "idle";
+bool is_queued(const v1::Job& job) {
+  return job.state() == v1::JOB_STATE_RUNNING && job.active_workers() == 0 && job.queue_position() > 0;
+}
+
+v1::WorkerState state_of(const v1::Worker& worker) {
+  const bool has_leases = worker.held_leases() > 0;
+  if (worker.quarantined()) return v1::WORKER_STATE_QUARANTINED;
+  if (worker.silent()) return v1::WORKER_STATE_SILENT;
+  if (worker.drain_requested()) return has_leases ? v1::WORKER_STATE_DRAINING : v1::WORKER_STATE_DRAINED;
+  if (worker.draining()) return v1::WORKER_STATE_LEAVING;
+  if (worker.stuck()) return v1::WORKER_STATE_STUCK;
+  if (worker.cooldowns().empty()) return has_leases ? v1::WORKER_STATE_WORKING : v1::WORKER_STATE_IDLE;
   const bool only_fetches = std::all_of(worker.cooldowns().begin(), worker.cooldowns().end(),
                                         [](const auto& cooldown) { return cooldown.fetching(); });
-  return only_fetches ? "fetching" : "in cooldown";
+  return only_fetches ? v1::WORKER_STATE_FETCHING : v1::WORKER_STATE_IN_COOLDOWN;
+}
+
+std::string state_name(v1::WorkerState state) {
+  switch (state) {
+    case v1::WORKER_STATE_QUARANTINED:
+      return "quarantined";
+    case v1::WORKER_STATE_SILENT:
+      return "silent";
+    case v1::WORKER_STATE_DRAINING:
+      return "draining";
+    case v1::WORKER_STATE_DRAINED:
+      return "drained";
+    case v1::WORKER_STATE_LEAVING:
+      return "leaving";
+    case v1::WORKER_STATE_STUCK:
+      return "stuck";
+    case v1::WORKER_STATE_FETCHING:
+      return "fetching";
+    case v1::WORKER_STATE_IN_COOLDOWN:
+      return "in cooldown";
+    case v1::WORKER_STATE_WORKING:
+      return "working";
+    case v1::WORKER_STATE_IDLE:
+      return "idle";
+    default:
+      return "unknown";
+  }
+}
+
+std::map<std::string, v1::JobState> job_states_by_name() {
+  return states_by_name<v1::JobState>(v1::JobState_MAX);
+}
+
+std::map<std::string, v1::WorkerState> worker_states_by_name() {
+  return states_by_name<v1::WorkerState>(v1::WorkerState_MAX);
 }
 
 std::vector<std::string> worker_remarks(const v1::Worker& worker) {

@@ -26,7 +26,7 @@ struct Limits {
   double film_gib = default_film_gib();
 
   // Of a job: pixels of its window, samples per pixel, and images.
-  std::uint64_t picture_pixels = std::uint64_t{1} << 28;
+  std::uint64_t image_pixels = std::uint64_t{1} << 28;
   std::uint32_t spp = 1u << 20;
   std::uint32_t images = 10'000;
   // Jobs of one owner that are checked, running or paused. Without tokens, all jobs have the same

@@ -179,6 +179,7 @@ void wait_for_stop(const server::Options& options, rpc::Server& server, http_api
     report.reloaded();
   }
   spdlog::info("stopping on signal {}", signal);
+  server.announce_stop();
   report.stopping();
 }
 

@@ -80,7 +80,7 @@ void add_security_flags(CLI::App& app, Options& options) {
            "Require callers to show a certificate that this authority signed (PEM)");
   add_file("--tokens", options.tokens,
            "Require callers to show a token of this file; each line is ROLE NAME TOKEN, with the role "
-           "submit, work or admin; SIGHUP reads it again");
+           "watch, submit, work or admin; SIGHUP reads it again");
   app.add_flag(
          "--allow-unauthenticated-connections", options.security.allow_unauthenticated,
          "Let other machines connect without a client certificate; anyone who reaches the port can then "

@@ -30,7 +30,7 @@ constexpr std::string_view kCertificateWord = "certificate", kSharedWord = "shar
                            kExpiresWord = "expires=";
 constexpr std::size_t kDateLength = 10;  // of YYYY-MM-DD
 
-constexpr std::array kRoles{Role::kSubmit, Role::kWork, Role::kAdmin};
+constexpr std::array kRoles{Role::kWatch, Role::kSubmit, Role::kWork, Role::kAdmin};
 
 core::Status refuse(std::string what) {
   return core::fail(ErrorCode::kInvalidArgument, std::move(what));
@@ -77,7 +77,7 @@ core::Status Access::add_line(std::string_view line) {
   if (!(words >> name >> token)) return refuse("a line has three words: ROLE NAME TOKEN");
   const auto role =
       std::find_if(kRoles.begin(), kRoles.end(), [&](Role each) { return role_name(each) == role_text; });
-  if (role == kRoles.end()) return refuse("the first word must be a role: submit, work or admin");
+  if (role == kRoles.end()) return refuse("the first word must be a role: watch, submit, work or admin");
   grant.principal.role = *role;
   if (name.size() > kMaxNameLength || !core::is_printable(name))
     return refuse(fmt::format("the second word is a name of at most {} printable characters, in UTF-8",
@@ -134,7 +134,7 @@ grpc::Status Access::admit(const Credentials& shown, Role role, Time now, Princi
     return {StatusCode::UNAUTHENTICATED,
             fmt::format("the {} of {} has expired at {}: ask the farm's administrator for a new one",
                         shown.token.empty() ? "entry" : "token", principal.name, text_of(*grant->expires))};
-  if (principal.role == role || principal.role == Role::kAdmin) return grpc::Status::OK;
+  if (includes(principal.role, role)) return grpc::Status::OK;
   return {StatusCode::PERMISSION_DENIED,
           fmt::format("the token of {} is for '{}', and this needs one for '{}'", principal.name,
                       role_name(principal.role), role_name(role))};

@@ -29,16 +29,16 @@ class Access {
   //   ROLE NAME TOKEN [shared] [expires=TIME]
   //   ROLE NAME certificate [shared] [expires=TIME]
   //
-  // ROLE is submit, work or admin. Several lines may have the same name. `certificate` stands for a client
-  // certificate with the common name NAME, which needs no token. TIME is a date, which includes its last
-  // second, or a time of RFC 3339; a date is in UTC. Without `shared`, the credentials are individual. Empty
-  // lines and lines that begin with # are ignored. Errors name file and line.
+  // ROLE is watch, submit, work or admin. Several lines may have the same name. `certificate` stands for a
+  // client certificate with the common name NAME, which needs no token. TIME is a date, which includes its
+  // last second, or a time of RFC 3339; a date is in UTC. Without `shared`, the credentials are individual.
+  // Empty lines and lines that begin with # are ignored. Errors name file and line.
   static core::Result<Access> read(const std::string& path);
 
   // Whether calls need no credentials.
   bool is_open() const { return open_; }
 
-  // Identifies the caller and checks that it has this role or is an administrator. UNAUTHENTICATED without
+  // Identifies the caller and checks that its role includes this one. UNAUTHENTICATED without
   // known, valid credentials, PERMISSION_DENIED without the role. The status has the message. `principal`
   // gets name, role and whether it is individual, as far as it is known.
   grpc::Status admit(const Credentials& shown, Role role, Time now, Principal& principal) const;

@@ -70,10 +70,11 @@ Methods::Methods(const server::Limits& limits) {
     methods_.emplace(path, Method{path, role, max_bytes, std::move(shape)});
   };
   for (const char* const name :
-       {"GetJob", "WatchJob", "WatchFarm", "WatchTiles", "GetImage", "CancelJob", "PauseJob", "ResumeJob",
-        "UpdateJob", "DeleteJob", "ListWorkers", "GetUpload", "GetServerInfo"})
+       {"GetJob", "WatchJob", "WatchFarm", "WatchTiles", "GetImage", "ListWorkers", "GetServerInfo"})
+    add("RenderService", name, Role::kWatch, kSmallBytes, kSmall);
+  add("RenderService", "ListJobs", Role::kWatch, kListBytes, kList);
+  for (const char* const name : {"CancelJob", "PauseJob", "ResumeJob", "UpdateJob", "DeleteJob", "GetUpload"})
     add("RenderService", name, Role::kSubmit, kSmallBytes, kSmall);
-  add("RenderService", "ListJobs", Role::kSubmit, kListBytes, kList);
   add("RenderService", "BatchUploadBlobs", Role::kSubmit, kUploadBytes, kBatch);
   add("RenderService", "FindMissingBlobs", Role::kSubmit, large_bytes,
       files("tessera.v1.FindMissingBlobsRequest.digests", limits));

@@ -8,14 +8,22 @@
 namespace tessera::auth {
 
 enum class Role {
+  kWatch,   // calls that show jobs and workers, and change nothing
   kSubmit,  // calls of users, except changes to the jobs of others
   kWork,    // calls of workers
   kAdmin,   // all calls
 };
 
-// "submit", "work" or "admin".
+// Whether a caller with one role may make calls that need another one.
+constexpr bool includes(Role role, Role needed) {
+  return role == needed || role == Role::kAdmin || (role == Role::kSubmit && needed == Role::kWatch);
+}
+
+// "watch", "submit", "work" or "admin".
 constexpr std::string_view role_name(Role role) {
   switch (role) {
+    case Role::kWatch:
+      return "watch";
     case Role::kSubmit:
       return "submit";
     case Role::kWork:

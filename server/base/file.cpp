@@ -16,6 +16,9 @@ using core::ErrorCode;
 
 namespace {
 
+// Less is used up by the next change of the database.
+constexpr unsigned long kMinFreeBytes = 1 << 20;
+
 struct Advice {
   ErrorCode code;
   std::string sentence;
@@ -83,6 +86,18 @@ core::Status create_folder(const std::filesystem::path& folder) {
   }
   if (std::error_code unknown; std::filesystem::is_directory(folder, unknown)) return {};
   return core::fail(ErrorCode::kFailedPrecondition, folder.string() + " is not a folder");
+}
+
+std::string write_obstacle(const struct statvfs& file_system) {
+  if ((file_system.f_flag & ST_RDONLY) != 0) return "its file system is read-only";
+  const bool has_room = file_system.f_bavail >= kMinFreeBytes / file_system.f_frsize;
+  return has_room ? "" : "its disk is full";
+}
+
+std::string write_obstacle(const std::filesystem::path& folder) {
+  struct statvfs file_system {};
+  if (::statvfs(folder.c_str(), &file_system) != 0 || file_system.f_frsize == 0) return "";
+  return write_obstacle(file_system);
 }
 
 }  // namespace tessera::base

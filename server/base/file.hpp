@@ -3,6 +3,8 @@
 // is no shared state.
 #pragma once
 
+#include <sys/statvfs.h>
+
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -24,6 +26,11 @@ core::Status write_all(const Fd& fd, std::string_view bytes, const std::filesyst
 // Makes writes durable; for a folder, the names in it.
 core::Status sync_file(const Fd& fd, const std::filesystem::path& path);
 core::Status sync_folder(const std::filesystem::path& folder);
+
+// Why nothing can be written there: the file system is full or read-only. Empty if it is neither, or if that
+// cannot be told.
+std::string write_obstacle(const std::filesystem::path& folder);
+std::string write_obstacle(const struct statvfs& file_system);
 
 // Creates the folder and its missing parents, accessible by this user only.
 core::Status create_folder(const std::filesystem::path& folder);

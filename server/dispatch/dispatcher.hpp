@@ -59,7 +59,7 @@ class Dispatcher {
   }
   // The part of tick() that is short. Returns whether a second has passed since it was last true.
   bool advance_time();
-  core::Status check_token(const v1::SubmitResultRequest& request);
+  core::Status check_token(const v1::SubmitResultRequest& request, const farm::WorkerPrincipal& caller);
   std::vector<v1::Worker> next_workers(const std::string& after);
   std::optional<core::LayerSet> layers_of_job(const std::string& id);
   core::Result<v1::SubmitResultResponse> drop(const v1::SubmitResultRequest& request,

@@ -138,8 +138,17 @@ std::string fingerprint_of(const StateLock& lock, const v1::SubmitResultRequest&
   return accepted.size() == 1 ? *accepted.begin() : "";
 }
 
+// Who delivers, for the log: as the caller says, which nothing proves.
+common::LogFields fields_of(const v1::SubmitResultRequest& request, const farm::WorkerPrincipal& caller) {
+  constexpr std::size_t kIdBytes = 32;
+  return {.job = farm::excerpt(request.job_id(), kIdBytes),
+          .worker = farm::excerpt(request.worker_id(), kIdBytes),
+          .principal = caller.name,
+          .peer = caller.peer};
+}
+
 core::Status may_count(StateLock& lock, const JobRecord& record, const v1::SubmitResultRequest& request,
-                       const std::string& offered) {
+                       const farm::WorkerPrincipal& caller, const std::string& offered) {
   const std::set<std::string>& accepted = lock.options().fingerprints;
   const bool fits = record.arithmetic.empty() ? accepted.contains(offered) : offered == record.arithmetic;
   if (fits) return {};
@@ -148,7 +157,7 @@ core::Status may_count(StateLock& lock, const JobRecord& record, const v1::Submi
   lock.log_rejection(
       fmt::format("rejected a result of worker {:.32} for job {}: its fingerprint is {}, the job's {}",
                   request.worker_id(), record.spec->id(), offered, expected),
-      {.job = record.spec->id(), .worker = request.worker_id()});
+      fields_of(request, caller));
   return core::fail(
       ErrorCode::kFailedPrecondition,
       fmt::format("these samples (release {}, fingerprint {}) are not bit-compatible with job {} "
@@ -156,18 +165,20 @@ core::Status may_count(StateLock& lock, const JobRecord& record, const v1::Submi
                   request.version(), offered, record.spec->id(), expected));
 }
 
-void note_rejected_result(StateLock& lock, const std::string& worker, const core::Error& error) {
+void note_rejected_result(StateLock& lock, const v1::SubmitResultRequest& request,
+                          const farm::WorkerPrincipal& caller, const core::Error& error) {
+  const std::string& worker = request.worker_id();
   const scheduler::WorkerInfo* const known = lock->scheduler.worker_info({worker});
   if (known == nullptr) {
     return lock.log_rejection(
         fmt::format("rejected a result of worker {:.32}, which has not registered since the coordinator "
                     "was started: {}",
                     worker, error.message),
-        {.worker = worker});
+        fields_of(request, caller));
   }
   lock.log_rejection(
       fmt::format("rejected a result of worker {} ({}): {}", known->name, worker, error.message),
-      {.worker = worker, .principal = known->principal});
+      fields_of(request, caller));
   const bool is_last = lock->quarantine.refused(worker);
   lock.note_worker(worker);
   if (!is_last) return;
@@ -199,8 +210,7 @@ struct Dispatcher::Delivery {
   std::vector<scheduler::Fingerprint> fingerprints;
   // Memory for notes to clear tiles: an item can disprove one tile.
   film::Notes spare{};
-  // The caller's, if it is individual.
-  std::string principal{};
+  farm::WorkerPrincipal caller{};
 };
 
 // What became of a result. The answer is made of it without the state lock.
@@ -227,14 +237,17 @@ v1::SubmitResultResponse Dispatcher::Counted::message() const {
 
 // A caller that cannot prove that the lease was granted to the named worker may be anybody: its result does
 // not count against the worker.
-core::Status Dispatcher::check_token(const v1::SubmitResultRequest& request) {
+core::Status Dispatcher::check_token(const v1::SubmitResultRequest& request,
+                                     const farm::WorkerPrincipal& caller) {
   const scheduler::LeaseToken token =
       signer_.sign({request.lease_id()}, {request.worker_id()}, {request.job_id()});
   if (request.lease_token() == token) return {};
-  StateLock(farm_).log_rejection(fmt::format(
-      "rejected a result of job {:.32}: its token does not prove that lease {} was given to "
-      "worker {:.32}, which it names",
-      core::printable(request.job_id()), request.lease_id(), core::printable(request.worker_id())));
+  StateLock(farm_).log_rejection(
+      fmt::format("rejected a result of job {:.32}: its token does not prove that lease {} was given to "
+                  "worker {:.32}, which it names",
+                  core::printable(request.job_id()), request.lease_id(),
+                  core::printable(request.worker_id())),
+      fields_of(request, caller));
   return core::fail(
       ErrorCode::kInvalidArgument,
       fmt::format("lease_token: does not prove that lease {} of this job was given to this worker by "
@@ -246,7 +259,8 @@ core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::Submi
                                                                  const farm::WorkerPrincipal& caller) {
   if (auto fit = check_texts(request); !fit)
     return core::fail(rejected(RejectedFor::kMalformed, fit.error()));
-  if (auto own = check_token(request); !own) return core::fail(rejected(RejectedFor::kToken, own.error()));
+  if (auto own = check_token(request, caller); !own)
+    return core::fail(rejected(RejectedFor::kToken, own.error()));
   if (request.items_size() > 0 && !film_memory_.has_room()) return core::fail(defer(request, caller));
   const std::optional<core::LayerSet> layers = layers_of_job(request.job_id());
   if (!layers && has_planes(request)) return drop(request, caller);
@@ -257,7 +271,7 @@ core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::Submi
   for (const film::Note& tile : delivery.tiles)
     delivery.fingerprints.push_back(fingerprinter_.of(tile.samples));
   delivery.spare.resize(delivery.tiles.size());
-  if (caller.individual) delivery.principal = caller.name;
+  delivery.caller = caller;
   const core::Result<Counted> counted = [&]() -> core::Result<Counted> {
     StateLock lock(farm_);
     if (auto may = may_deliver(lock, request.worker_id(), caller); !may)
@@ -265,7 +279,7 @@ core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::Submi
     auto result = tiles ? count_result(lock, request, delivery)
                         : core::Result<Counted>(core::fail(rejected(RejectedFor::kMalformed, tiles.error())));
     if (!result && result.error().code == ErrorCode::kInvalidArgument)
-      note_rejected_result(lock, request.worker_id(), result.error());
+      note_rejected_result(lock, request, caller, result.error());
     if (result && request.items_size() > 0) lock->quarantine.in_order(request.worker_id());
     return result;
   }();
@@ -329,11 +343,11 @@ core::Result<Dispatcher::Counted> Dispatcher::count_result(StateLock& lock,
     return Counted{0, static_cast<std::uint32_t>(delivery.tiles.size()), {}, {}};
   }
   const std::string offered = fingerprint_of(lock, request);
-  if (auto may = may_count(lock, *record, request, offered); !may)
+  if (auto may = may_count(lock, *record, request, delivery.caller, offered); !may)
     return core::fail(rejected(RejectedFor::kFingerprint, may.error()));
   scheduler::SubmitResult event =
       event_of(request, farm::grid_of(*record->spec), delivery.tiles, delivery.fingerprints, offered);
-  event.principal = delivery.principal;
+  if (delivery.caller.individual) event.principal = delivery.caller.name;
   return decide(lock, *record, event, delivery);
 }
 

@@ -106,7 +106,7 @@ core::Status expect_trusted(StateLock& lock, const v1::SynchronizeRequest& reque
 }
 
 core::Status admit(StateLock& lock, const v1::SynchronizeRequest& request,
-                   const scheduler::WorkerInfo& caller) {
+                   const scheduler::WorkerInfo& caller, const std::string& peer) {
   if (lock->closed) return core::fail(ErrorCode::kUnavailable, "the coordinator is stopping: try again");
   const scheduler::WorkerInfo* const known = lock->scheduler.worker_info(caller.id);
   if (auto own = expect_own(known, caller.principal); !own) return own;
@@ -115,7 +115,7 @@ core::Status admit(StateLock& lock, const v1::SynchronizeRequest& request,
   if (accepted.contains(request.determinism_fingerprint())) return {};
   core::Error error = not_compatible(request, accepted);
   lock.log_rejection("refused: " + error.message,
-                     {.worker = request.worker_id(), .principal = caller.principal});
+                     {.worker = request.worker_id(), .principal = caller.principal, .peer = peer});
   return core::fail(std::move(error));
 }
 
@@ -124,13 +124,19 @@ void note_troubles(StateLock& lock, const v1::SynchronizeRequest& request) {
   farm::Troubles& troubles = lock->troubles;
   const std::set<std::string> before = troubles.jobs_of_worker(request.worker_id());
   for (std::string& sentence : troubles.note(request))
-    lock.log_trouble(std::move(sentence), {.worker = request.worker_id()});
+    lock.log_trouble(std::move(sentence), lock.fields_of_worker(request.worker_id()));
   const std::set<std::string> after = troubles.jobs_of_worker(request.worker_id());
   if (before.empty() && after.empty()) return;
   lock.note_worker(request.worker_id());
   for (const auto* const jobs : {&before, &after})
     for (const std::string& job : *jobs)
       if (JobRecord* const record = lock->find_job(job)) lock.note_progress(*record);
+}
+
+// Of a worker that the scheduler knows.
+void note_peer(StateLock& lock, const v1::SynchronizeRequest& request, const std::string& peer) {
+  std::string& known = lock->peers[request.worker_id()];
+  if (known != peer) known = peer;
 }
 
 // Of a worker that the scheduler knows.
@@ -180,7 +186,7 @@ void Dispatcher::synchronize(const v1::SynchronizeRequest& request, farm::Synchr
   std::set<std::string> known_jobs = first_ids(request.known_job_ids(), kMaxKnownJobs);
   scheduler::WorkerInfo info = info_of(request, caller.principal);
   StateLock lock(farm_);
-  const core::Status admitted = valid ? admit(lock, request, info) : valid;
+  const core::Status admitted = valid ? admit(lock, request, info, caller.principal.peer) : valid;
   if (!admitted) return farm::refuse(lock, caller, admitted.error());
 
   note_troubles(lock, request);
@@ -192,6 +198,7 @@ void Dispatcher::synchronize(const v1::SynchronizeRequest& request, farm::Synchr
     lock.apply(actions);
     return farm::refuse(lock, caller, actions.status.error());
   }
+  note_peer(lock, request, caller.principal.peer);
   note_cache(lock, request);
   const scheduler::Reply& reply = *actions.reply;
   farm::WaitingCall call{std::move(caller), std::move(known_jobs),

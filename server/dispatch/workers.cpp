@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The list of workers.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 #include <optional>
 #include <utility>
 
+#include "proto/state_text.hpp"
 #include "server/base/wall_clock.hpp"
 #include "server/dispatch/caller.hpp"
 #include "server/dispatch/dispatcher.hpp"
@@ -59,6 +63,28 @@ v1::Worker to_wire(const WorkerSnapshot& snapshot, scheduler::Time now) {
   return worker;
 }
 
+core::Status check_filters(const v1::ListWorkersRequest& request) {
+  if (!request.page_token().empty() && !is_worker_id(request.page_token()))
+    return core::fail(ErrorCode::kInvalidArgument, "page_token: is not that of an earlier response");
+  for (const int state : request.states())
+    if (state <= v1::WORKER_STATE_UNSPECIFIED || !v1::WorkerState_IsValid(state))
+      return core::fail(ErrorCode::kInvalidArgument,
+                        fmt::format("states: must be of WorkerState, got {}", state));
+  return {};
+}
+
+bool matches(const v1::Worker& worker, const v1::ListWorkersRequest& request) {
+  const std::string& prefix = request.prefix();
+  if (!worker.id().starts_with(prefix) && !worker.name().starts_with(prefix)) return false;
+  if (request.has_principal() && worker.principal() != request.principal()) return false;
+  const std::int64_t seen_ms = farm::ms_from_timestamp(worker.last_seen_at());
+  if (request.has_seen_from() && seen_ms < farm::ms_from_timestamp(request.seen_from())) return false;
+  if (request.has_seen_before() && seen_ms >= farm::ms_from_timestamp(request.seen_before())) return false;
+  const int state = proto::state_of(worker);
+  return request.states().empty() ||
+         std::find(request.states().begin(), request.states().end(), state) != request.states().end();
+}
+
 }  // namespace
 
 std::optional<v1::Worker> Dispatcher::worker(const std::string& id) {
@@ -97,8 +123,7 @@ std::vector<v1::Worker> Dispatcher::workers() {
 
 // The token of the next page is the last id of this one.
 core::Result<v1::ListWorkersResponse> Dispatcher::list_workers(const v1::ListWorkersRequest& request) {
-  if (!request.page_token().empty() && !is_worker_id(request.page_token()))
-    return core::fail(ErrorCode::kInvalidArgument, "page_token: is not that of an earlier response");
+  if (auto fine = check_filters(request); !fine) return core::fail(fine.error());
   const std::uint32_t asked = request.page_size() == 0 ? kMaxPageSize : request.page_size();
   const auto most = static_cast<int>(std::min(asked, kMaxPageSize));
   v1::ListWorkersResponse page;
@@ -106,12 +131,12 @@ core::Result<v1::ListWorkersResponse> Dispatcher::list_workers(const v1::ListWor
   for (auto next = next_workers(after); !next.empty(); next = next_workers(after)) {
     for (v1::Worker& worker : next) {
       const std::string id = worker.id();
-      const bool matches = id.starts_with(request.prefix()) || worker.name().starts_with(request.prefix());
-      if (matches && page.workers_size() == most) {
+      const bool is_wanted = matches(worker, request);
+      if (is_wanted && page.workers_size() == most) {
         page.set_next_page_token(after);
         return page;
       }
-      if (matches) *page.add_workers() = std::move(worker);
+      if (is_wanted) *page.add_workers() = std::move(worker);
       after = id;
     }
   }

@@ -60,6 +60,11 @@ struct CacheUse {
   bool operator==(const CacheUse&) const = default;
 };
 
+// A registered worker, for the log.
+struct PresentWorker {
+  std::string name, principal;
+};
+
 // What the state lock guards.
 struct State {
   explicit State(const Options& options);
@@ -101,7 +106,9 @@ struct State {
   std::set<std::string> to_reopen;  // jobs
   // Workers of which stored jobs may have samples: these are to be found and reopened.
   std::vector<scheduler::Producer> to_search;
-  std::map<std::string, std::string> present;  // names of the registered workers by id, for the log
+  // For the log: the registered workers by id, and the addresses that workers last called from.
+  std::map<std::string, PresentWorker> present;
+  std::map<std::string, std::string> peers;
   // Somebody waits for a checkpoint: users learn that a job is done or has failed after the next one.
   bool checkpoint_is_awaited = false;
   bool closed = false;

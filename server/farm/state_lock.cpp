@@ -46,6 +46,14 @@ void StateLock::log_some(common::RateLimitedLog& some, common::LogLine line) {
     log(spdlog::level::warn, std::move(due->message), std::move(due->fields));
 }
 
+common::LogFields StateLock::fields_of_worker(const std::string& id) const {
+  common::LogFields fields{.worker = id};
+  if (const scheduler::WorkerInfo* const info = state_.scheduler.worker_info({id}))
+    fields.principal = info->principal;
+  if (const auto peer = state_.peers.find(id); peer != state_.peers.end()) fields.peer = peer->second;
+  return fields;
+}
+
 void StateLock::log_suppressed() {
   for (common::RateLimitedLog* some : {&state_.rejected_log, &state_.troubles_log})
     if (auto due = some->take_due(now_))
@@ -101,14 +109,14 @@ void StateLock::note_worker(const std::string& id) {
 }
 
 void StateLock::quarantine(const scheduler::Producer& producer, const std::string& because) {
-  const scheduler::WorkerInfo* const info = state_.scheduler.worker_info(producer.worker);
-  const std::string& principal = info == nullptr ? producer.principal : info->principal;
-  if (!state_.quarantine.add({producer, principal, because, base::wall_clock_ms()})) return;
+  common::LogFields fields = fields_of_worker(producer.worker.value);
+  if (state_.scheduler.worker_info(producer.worker) == nullptr) fields.principal = producer.principal;
+  if (!state_.quarantine.add({producer, fields.principal, because, base::wall_clock_ms()})) return;
   note_worker(producer.worker.value);
   log(spdlog::level::err,
       fmt::format("worker {} ({}) is quarantined: {}. Its other results are verified by others",
                   called(producer), producer.worker.value, because),
-      {.worker = producer.worker.value, .principal = principal});
+      std::move(fields));
 }
 
 scheduler::Actions StateLock::handle(const scheduler::Event& event) {
@@ -166,11 +174,14 @@ void StateLock::note_presence(const scheduler::WorkerId& worker) {
   const auto view = state_.scheduler.worker(worker, now_);
   const auto before = state_.present.find(id);
   if (view && !view->silent && before == state_.present.end()) {
-    state_.present.emplace(id, view->info.name);
+    state_.present.emplace(id, PresentWorker{view->info.name, view->info.principal});
     log(spdlog::level::info, fmt::format("worker {} ({}) registered", view->info.name, id),
-        {.worker = id, .principal = view->info.principal});
+        fields_of_worker(id));
   } else if ((!view || view->silent) && before != state_.present.end()) {
-    log(spdlog::level::warn, fmt::format("worker {} ({}) is lost", before->second, id), {.worker = id});
+    common::LogFields fields = fields_of_worker(id);
+    fields.principal = before->second.principal;
+    log(spdlog::level::warn, fmt::format("worker {} ({}) is lost", before->second.name, id),
+        std::move(fields));
     state_.present.erase(before);
   }
   if (view) return;
@@ -178,6 +189,7 @@ void StateLock::note_presence(const scheduler::WorkerId& worker) {
   state_.drains.forget(id);
   state_.troubles.forget(id);
   state_.caches.erase(id);
+  state_.peers.erase(id);
 }
 
 void StateLock::append_events(const scheduler::Actions& actions) {

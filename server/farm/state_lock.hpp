@@ -42,6 +42,8 @@ class TESSERA_THREAD_ANNOTATION(scoped_lockable) StateLock {
   void log_trouble(std::string line, common::LogFields fields = {}) {
     log_some(state_.troubles_log, {std::move(line), std::move(fields)});
   }
+  // What a line about a worker names besides: its principal, and the address that it last called from.
+  common::LogFields fields_of_worker(const std::string& id) const;
   // Logs suppressed lines that are due.
   void log_suppressed();
 

@@ -23,6 +23,8 @@ struct WorkerPrincipal {
   std::string name{};
   bool individual = false;
   std::string origin{};
+  // The address of its machine, for the log.
+  std::string peer{};
 };
 
 // The caller that waits for the answer to a Synchronize.

@@ -152,7 +152,9 @@ google::protobuf::Timestamp timestamp_from_ms(std::int64_t ms) {
 }
 
 std::int64_t ms_from_timestamp(const google::protobuf::Timestamp& timestamp) {
-  return TimeUtil::TimestampToMilliseconds(timestamp);
+  const std::int64_t seconds =
+      std::clamp(timestamp.seconds(), TimeUtil::kTimestampMinSeconds, TimeUtil::kTimestampMaxSeconds);
+  return seconds * 1000 + timestamp.nanos() / 1'000'000;
 }
 
 google::protobuf::Duration to_wire(scheduler::Duration duration) {

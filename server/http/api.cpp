@@ -109,7 +109,10 @@ Api::Api(const rpc::Services& services, const ApiOptions& options)
     : context_(std::make_shared<Context>(services, route_names())),
       host_(host_of(options.address)),
       checks_host_(services.facts.is_open && proto::is_loopback(options.address)),
-      security_(options.security) {}
+      security_(options.security),
+      activity_sampler_(ActivityLog::kPeriod, [this] { note_activity(); }) {
+  note_activity();
+}
 
 Api::~Api() {
   server_.reset();
@@ -139,6 +142,10 @@ core::Status Api::check_site(const http::Request& request, bool is_change) const
   if (checks_host_)
     if (auto fine = check_host(request, host_); !fine) return fine;
   return is_change ? check_origin(request) : core::Status();
+}
+
+void Api::note_activity() {
+  context_->activity.add(activity_of(farm::totals_of(context_->services.coordinator.farm())));
 }
 
 http::Reception Api::receive(const http::Request& request) {
@@ -174,7 +181,7 @@ http::Reception Api::receive_call(const http::Request& request) {
 
 http::Response Api::handle(const http::Request& request) {
   if (request.path == kSessionPath) return with_security_headers(handle_session(*context_, request));
-  return serve_page(request);
+  return serve_page(request, context_->services.readiness);
 }
 
 }  // namespace tessera::http_api

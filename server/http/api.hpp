@@ -8,6 +8,7 @@
 #include "core/base/error.hpp"
 #include "core/http/server.hpp"
 #include "proto/security.hpp"
+#include "server/base/periodic.hpp"
 #include "server/http/call.hpp"
 #include "server/http/routes.hpp"
 
@@ -47,11 +48,13 @@ class Api final : private http::Handler {
   http::Reception receive_call(const http::Request& request);
   // The error of a request that is not for this host, or that another site makes.
   core::Status check_site(const http::Request& request, bool is_change) const;
+  void note_activity();
 
   const std::shared_ptr<Context> context_;
   const std::string host_;  // that of the address
   const bool checks_host_;  // against DNS rebinding
   const proto::ServerSecurity security_;
+  base::Periodic activity_sampler_;
   std::unique_ptr<http::Server> server_;  // last: its threads use the others
 };
 

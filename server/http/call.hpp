@@ -11,6 +11,7 @@
 
 #include "core/base/error.hpp"
 #include "core/http/server.hpp"
+#include "server/http/activity.hpp"
 #include "server/http/delayed_answers.hpp"
 #include "server/http/farm_events.hpp"
 #include "server/http/sessions.hpp"
@@ -31,6 +32,7 @@ struct Context {
   DelayedAnswers delayed;
   EventTexts event_texts;
   TileViews tiles;
+  ActivityLog activity;
 };
 
 // A call that was admitted. Whoever holds it keeps its share of the calls in progress, and it counts as in

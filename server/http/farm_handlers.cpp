@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Routes of the coordinator, its workers and the quarantine.
+// Routes of the coordinator, its activity, its workers and the quarantine.
+#include <cmath>
+
 #include "proto/json.hpp"
 #include "server/http/answers.hpp"
 #include "server/http/handlers.hpp"
@@ -12,6 +14,13 @@ Answer get_server(const CallPtr& call) {
   const rpc::Services& services = call->services();
   return json_response(
       proto::to_json(rpc::server_info(services.facts, services.streams.limits, call->caller())));
+}
+
+Answer get_activity(const CallPtr& call) {
+  Json samples = Json::array();
+  for (const ActivitySample& sample : call->context.activity.samples())
+    samples.push_back({std::llround(sample.samples_per_second), sample.busy_workers, sample.running_jobs});
+  return json_response({{"period_seconds", ActivityLog::kPeriod.count()}, {"samples", std::move(samples)}});
 }
 
 Answer list_workers(const CallPtr& call) {

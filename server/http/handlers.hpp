@@ -29,6 +29,7 @@ Answer watch_tiles(const CallPtr& call);
 
 // ---- The farm (farm_handlers.cpp) ----
 Answer get_server(const CallPtr& call);
+Answer get_activity(const CallPtr& call);
 Answer list_workers(const CallPtr& call);
 Answer drain_worker(const CallPtr& call);
 Answer list_quarantine(const CallPtr& call);

@@ -21,7 +21,7 @@ constexpr int kDefaultSizePx = 256;
 constexpr std::chrono::milliseconds kThumbnailTime{500};
 
 core::Result<int> coordinate(const http::Request& request, const char* name) {
-  const auto value = read_number(request, name, core::kMaxPictureSidePx);
+  const auto value = read_number(request, name, core::kMaxImageSidePx);
   if (!value) return core::fail(value.error());
   if (!*value) return core::fail(proto::invalid_field(name, "is missing"));
   return static_cast<int>(**value);

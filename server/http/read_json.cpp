@@ -3,18 +3,24 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
+#include <functional>
 #include <limits>
+#include <map>
 #include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "core/base/suggestion.hpp"
 #include "core/image/display.hpp"
 #include "core/scene/settings.hpp"
 #include "proto/blob.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
 #include "proto/state_text.hpp"
+#include "server/base/wall_clock.hpp"
+#include "server/farm/wire.hpp"
 #include "server/http/fields.hpp"
 
 namespace tessera::http_api {
@@ -24,6 +30,8 @@ namespace {
 core::Status invalid(const std::string& field, const std::string& problem) {
   return core::fail(proto::invalid_field(field, problem));
 }
+
+constexpr std::uint64_t kMaxAgoSeconds = 1'000'000'000;
 
 std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> parts;
@@ -131,18 +139,42 @@ core::Status read_labels(const std::string& field, const Json& value, v1::Submit
   return {};
 }
 
-core::Status read_states(const std::string& names, v1::ListJobsRequest& request) {
-  constexpr v1::JobState kStates[] = {v1::JOB_STATE_VALIDATING, v1::JOB_STATE_RUNNING,
-                                      v1::JOB_STATE_PAUSED,     v1::JOB_STATE_DONE,
-                                      v1::JOB_STATE_CANCELLED,  v1::JOB_STATE_FAILED};
+// Names of states, separated by commas. Passes each to `take`.
+template <typename State, typename Take>
+core::Status read_states(const http::Request& request, const std::map<std::string, State>& states,
+                         const Take& take) {
+  const std::string names = request.parameter("state").value_or("");
+  if (names.empty()) return {};
   for (const std::string& name : split(names)) {
-    const auto* const state = std::find_if(std::begin(kStates), std::end(kStates), [&](v1::JobState each) {
-      return proto::state_name(each) == name;
-    });
-    if (state == std::end(kStates))
-      return invalid("state", "must be of validating, running, paused, done, cancelled, failed");
-    request.add_states(*state);
+    const auto known = states.find(name);
+    if (known == states.end()) {
+      std::vector<std::string_view> all;
+      for (const auto& [each, state] : states) all.push_back(each);
+      return invalid("state", "there is no state " + core::in_quotes(name) + core::suggestion(name, all));
+    }
+    take(known->second);
   }
+  return {};
+}
+
+// The name of no JobState: running jobs that wait for workers.
+constexpr auto kQueued = v1::JOB_STATE_UNSPECIFIED;
+
+core::Status read_job_states(const http::Request& request, v1::ListJobsRequest& list) {
+  std::map<std::string, v1::JobState> states = proto::job_states_by_name();
+  states["queued"] = kQueued;
+  return read_states(request, states, [&](v1::JobState state) {
+    state == kQueued ? list.set_queued(true) : list.add_states(state);
+  });
+}
+
+// A time in whole seconds before now, as a time of the coordinator.
+core::Status read_ago(const http::Request& request, const std::string& name,
+                      const std::function<google::protobuf::Timestamp*()>& time) {
+  const auto seconds = read_number(request, name, kMaxAgoSeconds);
+  if (!seconds) return core::fail(seconds.error());
+  if (*seconds)
+    *time() = farm::timestamp_from_ms(base::wall_clock_ms() - static_cast<std::int64_t>(**seconds) * 1000);
   return {};
 }
 
@@ -260,8 +292,7 @@ core::Result<v1::ListJobsRequest> read_job_list(const http::Request& request) {
   v1::ListJobsRequest list;
   if (auto read = read_page(request, list); !read) return core::fail(read.error());
   list.set_id_prefix(request.parameter("prefix").value_or(""));
-  if (const auto states = request.parameter("state"); states && !states->empty())
-    if (auto read = read_states(*states, list); !read) return core::fail(read.error());
+  if (auto read = read_job_states(request, list); !read) return core::fail(read.error());
   if (const auto owner = request.parameter("owner"); owner && !owner->empty()) list.set_owner(*owner);
   if (const auto label = request.parameter("label"); label && !label->empty()) {
     const std::size_t equals = label->find('=');
@@ -275,6 +306,15 @@ core::Result<v1::ListWorkersRequest> read_worker_list(const http::Request& reque
   v1::ListWorkersRequest list;
   if (auto read = read_page(request, list); !read) return core::fail(read.error());
   list.set_prefix(request.parameter("prefix").value_or(""));
+  const core::Status states = read_states(request, proto::worker_states_by_name(),
+                                          [&](v1::WorkerState state) { list.add_states(state); });
+  if (!states) return core::fail(states.error());
+  if (const auto principal = request.parameter("principal"); principal && !principal->empty())
+    list.set_principal(*principal);
+  if (auto read = read_ago(request, "seen_within", [&] { return list.mutable_seen_from(); }); !read)
+    return core::fail(read.error());
+  if (auto read = read_ago(request, "unseen_for", [&] { return list.mutable_seen_before(); }); !read)
+    return core::fail(read.error());
   return list;
 }
 

@@ -9,6 +9,7 @@
 #include "core/base/error.hpp"
 #include "core/http/server.hpp"
 #include "server/http/answers.hpp"
+#include "tessera/v1/admin_service.pb.h"
 #include "tessera/v1/render_service.pb.h"
 
 namespace tessera::http_api {

@@ -31,6 +31,7 @@ constexpr Route kRoutes[] = {
     {"POST", "/api/v1/workers/{id}/drain", "AdminService/DrainWorker", kSmall, Where::kUsers, drain_worker},
     {"GET", "/api/v1/quarantine", "AdminService/ListQuarantine", 0, Where::kUsers, list_quarantine},
     {"DELETE", "/api/v1/quarantine/{id}", "AdminService/LiftQuarantine", 0, Where::kUsers, lift_quarantine},
+    {"GET", "/api/v1/activity", "RenderService/WatchFarm", 0, Where::kHere, get_activity},
     {"GET", "/api/v1/events", "RenderService/WatchFarm", 0, Where::kHere, watch_farm},
     {"POST", "/api/v1/blobs", "RenderService/UploadBlob", 0, Where::kSlow, nullptr, receive_blob},
     {"POST", "/api/v1/blobs/missing", "RenderService/FindMissingBlobs", kLarge, Where::kUsers, find_missing},

@@ -20,14 +20,17 @@ http::Response text_with_headers(int status, const std::string& text) {
 
 }  // namespace
 
-http::Response serve_page(const http::Request& request) {
+http::Response serve_page(const http::Request& request, const rpc::Readiness& readiness) {
   if (request.method != "GET") {
     http::Response response = text_with_headers(405, "this path can only be read");
     response.headers.emplace_back("Allow", "GET");
     return response;
   }
-  // The coordinator serves HTTP only while it serves everything else.
-  if (request.path == "/healthz" || request.path == "/readyz") return text_with_headers(200, "ok");
+  if (request.path == "/healthz") return text_with_headers(200, "ok");
+  if (request.path == "/readyz") {
+    const core::Status ready = readiness.status();
+    return ready ? text_with_headers(200, "ok") : text_with_headers(503, ready.error().message);
+  }
   if (auto page = view::page_response(request)) return std::move(*page);
   return text_with_headers(404, "there is no such page");
 }

@@ -9,12 +9,12 @@
 
 namespace tessera::jobs {
 
-core::Status check_picture_size(const v1::RenderSettings& settings, const server::Limits& limits) {
+core::Status check_image_size(const v1::RenderSettings& settings, const server::Limits& limits) {
   const core::PixelRect window = proto::window_of(settings);
-  if (window.pixel_count() <= limits.picture_pixels) return {};
+  if (window.pixel_count() <= limits.image_pixels) return {};
   return core::fail(server::over_limit(
       fmt::format("the image has {} x {} = {} pixels", window.width(), window.height(), window.pixel_count()),
-      std::to_string(limits.picture_pixels), "--max-picture-pixels"));
+      std::to_string(limits.image_pixels), "--max-image-pixels"));
 }
 
 core::Status check_image_count(std::uint64_t images, const server::Limits& limits) {

@@ -14,7 +14,7 @@
 namespace tessera::jobs {
 
 // Counts the pixels of the window that is rendered, not of the whole image.
-core::Status check_picture_size(const v1::RenderSettings& settings, const server::Limits& limits);
+core::Status check_image_size(const v1::RenderSettings& settings, const server::Limits& limits);
 // Whether there may be so many images in a job.
 core::Status check_image_count(std::uint64_t images, const server::Limits& limits);
 // Whether the memory of films has room for the tiles of all images of another job.

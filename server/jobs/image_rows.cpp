@@ -22,13 +22,6 @@ core::Error with_advice(core::Error error, v1::JobState state) {
   return error;
 }
 
-// The tiles that a region touches, as a rectangle of pixels.
-core::PixelRect tiles_around(const core::TileGrid& grid, const core::PixelRect& region) {
-  const core::PixelRect first = grid.rect(grid.tile_at(region.x0, region.y0));
-  const core::PixelRect last = grid.rect(grid.tile_at(region.x1 - 1, region.y1 - 1));
-  return {first.x0, first.y0, last.x1, last.y1};
-}
-
 }  // namespace
 
 core::Result<core::Film::TileSums> ImageTiles::sums(int tile) const {
@@ -86,19 +79,6 @@ core::Result<core::Image> ImageRows::develop_tile(int tile) const {
 
 LayeredImageRows::LayeredImageRows(const FilmReader& films, ImageSource source, const core::PixelRect& region)
     : tiles_(films, std::move(source)),
-      region_(region),
-      whole_tiles_(tiles_around(tiles_.grid(), region)),
-      rows_(core::TileGrid(whole_tiles_, tiles_.grid().tile_px()), tiles_.layers(), [this](int tile) {
-        const core::TileGrid& grid = tiles_.grid();
-        const core::PixelRect rect = core::TileGrid(whole_tiles_, grid.tile_px()).rect(tile);
-        return tiles_.sums(grid.tile_at(rect.x0, rect.y0));
-      }) {}
-
-core::Result<const float*> LayeredImageRows::row(int y) {
-  const auto row = rows_.row(region_.y0 - whole_tiles_.y0 + y);
-  if (!row) return core::fail(row.error());
-  const auto skipped = static_cast<std::size_t>(region_.x0 - whole_tiles_.x0);
-  return *row + skipped * channels().size();
-}
+      rows_(tiles_.grid(), region, tiles_.layers(), [this](int tile) { return tiles_.sums(tile); }) {}
 
 }  // namespace tessera::jobs

@@ -92,16 +92,14 @@ class LayeredImageRows {
   const v1::Job& job() const { return tiles_.job(); }
   std::vector<std::string> channels() const { return core::image_channels(tiles_.layers()); }
   // As in ImageRows: core::image_channels() of each pixel side by side.
-  core::Result<const float*> row(int y);
+  core::Result<const float*> row(int y) { return rows_.row(y); }
 
   static std::uint64_t bytes(std::uint64_t width, std::size_t channels) {
-    return (width + 2 * core::kTilePx) * core::kTilePx * channels * sizeof(float);
+    return width * core::kTilePx * channels * sizeof(float);
   }
 
  private:
   const ImageTiles tiles_;
-  const core::PixelRect region_;
-  const core::PixelRect whole_tiles_;  // those that the region touches
   core::LayerRows rows_;
 };
 

@@ -46,7 +46,7 @@ core::Result<core::PixelRect> region_of(const v1::GetImageRequest& request, cons
   const core::PixelRect window = proto::window_of(job.settings());
   if (!request.has_region()) return window;
   const v1::PixelRect& asked = request.region();
-  constexpr std::uint32_t kMax = core::kMaxPictureSidePx;
+  constexpr std::uint32_t kMax = core::kMaxImageSidePx;
   if (std::max({asked.x0(), asked.y0(), asked.x1(), asked.y1()}) <= kMax) {
     const core::PixelRect region{static_cast<int>(asked.x0()), static_cast<int>(asked.y0()),
                                  static_cast<int>(asked.x1()), static_cast<int>(asked.y1())};

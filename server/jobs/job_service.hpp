@@ -57,8 +57,9 @@ class JobService {
 
   // ---- Submission ----
   // Checks the request and stores the job in the state VALIDATING. `owner` is the caller's name, empty where
-  // callers have none. The caller then calls validate().
-  core::Result<v1::Job> submit(const v1::SubmitJobRequest& request, const std::string& owner = {});
+  // callers have none, and `peer` the address of its machine, for the log. The caller then calls validate().
+  core::Result<v1::Job> submit(const v1::SubmitJobRequest& request, const std::string& owner = {},
+                               const std::string& peer = {});
   // The answer to a submission whose request_id is known; empty if it is not. ALREADY_EXISTS if it is another
   // owner's.
   std::optional<core::Result<v1::Job>> find_submission(const std::string& request_id,
@@ -120,7 +121,7 @@ class JobService {
 
   // ---- Submission (submission.cpp) ----
   core::Status check_request(const v1::SubmitJobRequest& request) const;
-  core::Result<v1::Job> add(farm::ValidatingJob job);
+  core::Result<v1::Job> add(farm::ValidatingJob job, const std::string& peer);
   core::Result<std::optional<farm::JobSnapshot>> find_known(const std::string& request_id);
 
   // ---- Validation (validation.cpp) ----
@@ -145,8 +146,9 @@ class JobService {
   std::optional<core::Status> remove_validating(const std::string& id);
 
   // ---- Lists (listing.cpp) ----
-  core::Result<std::optional<std::int64_t>> list_some(const store::JobQuery& query, const Labels& labels,
-                                                      int limit, v1::ListJobsResponse& response);
+  core::Result<std::optional<std::int64_t>> list_some(const store::JobQuery& wanted_jobs,
+                                                      const v1::ListJobsRequest& request, int limit,
+                                                      v1::ListJobsResponse& response);
   core::Result<std::optional<farm::JobSnapshot>> current(ListedJob listed);
 
   // ---- Changes (changes.cpp, extension.cpp, reopening.cpp). Those that return std::optional: empty if the

@@ -11,6 +11,7 @@
 #include <memory>
 #include <utility>
 
+#include "proto/state_text.hpp"
 #include "server/farm/wire.hpp"
 #include "server/jobs/job_service.hpp"
 #include "server/jobs/labels.hpp"
@@ -63,9 +64,16 @@ core::Result<bool> has_rows(store::JobStore& jobs, const JobQuery& query) {
   return has;
 }
 
+// The rows that may match, by the index: queued jobs are not settled, and match any states.
+JobQuery of_rows(JobQuery query, bool queued) {
+  if (query.states == 0 && queued) query.states = std::uint32_t{1} << v1::JOB_STATE_RUNNING;
+  return query;
+}
+
 // What the store cannot decide.
-bool matches(const v1::Job& job, const JobQuery& query, const Labels& labels) {
-  return (query.states == 0 || (query.states >> job.state() & 1) != 0) && has_labels(job, labels);
+bool matches(const v1::Job& job, std::uint32_t states, bool queued, const Labels& labels) {
+  const bool has_state = (states == 0 && !queued) || (states >> job.state() & 1) != 0;
+  return (has_state || (queued && proto::is_queued(job))) && has_labels(job, labels);
 }
 
 }  // namespace
@@ -77,12 +85,12 @@ core::Result<v1::ListJobsResponse> JobService::list(const v1::ListJobsRequest& r
   const auto limit = static_cast<int>(std::min(asked, kMaxPageSize));
   v1::ListJobsResponse response;
   while (response.jobs_size() < limit) {
-    const auto last = list_some(*query, request.labels(), limit, response);
+    const auto last = list_some(*query, request, limit, response);
     if (!last) return core::fail(last.error());
     if (!*last) return response;
     query->before_number = *last;
   }
-  const auto has_more = has_rows(state_.jobs, *query);
+  const auto has_more = has_rows(state_.jobs, of_rows(*query, request.queued()));
   if (!has_more) return core::fail(has_more.error());
   if (*has_more) response.set_next_page_token(std::to_string(*query->before_number));
   return response;
@@ -90,10 +98,12 @@ core::Result<v1::ListJobsResponse> JobService::list(const v1::ListJobsRequest& r
 
 // Adds the jobs of some more rows, until there are `limit`. Returns the number of the last row whose job was
 // looked at; empty if there are no more.
-core::Result<std::optional<std::int64_t>> JobService::list_some(const JobQuery& query, const Labels& labels,
-                                                                int limit, v1::ListJobsResponse& response) {
+core::Result<std::optional<std::int64_t>> JobService::list_some(const JobQuery& wanted_jobs,
+                                                                const v1::ListJobsRequest& request, int limit,
+                                                                v1::ListJobsResponse& response) {
+  const JobQuery query = of_rows(wanted_jobs, request.queued());
   const auto missing = static_cast<std::size_t>(limit - response.jobs_size());
-  const bool is_filtered = query.states != 0 || !labels.empty();
+  const bool is_filtered = query.states != 0 || !request.labels().empty();
   const std::size_t wanted = is_filtered ? std::max(missing, kRowsAtOnce) : missing;
   std::vector<ListedJob> listed;
   std::size_t rows = 0;
@@ -115,7 +125,7 @@ core::Result<std::optional<std::int64_t>> JobService::list_some(const JobQuery& 
     if (!now) return core::fail(now.error());
     if (!*now) continue;
     v1::Job job = summarise(**now);
-    if (!matches(job, query, labels)) continue;
+    if (!matches(job, wanted_jobs.states, request.queued(), request.labels())) continue;
     *response.add_jobs() = std::move(job);
     if (response.jobs_size() == limit) return std::optional(number);
   }

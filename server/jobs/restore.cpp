@@ -137,7 +137,7 @@ core::Status Restoration::restore_unfinished(const store::JobRow& row, JobRecord
   // Its workers cannot join this farm. The row stays unchanged for a coordinator that accepts them.
   if (auto may = may_continue(record, fingerprints_); !may) return restore_damaged(row, may.error());
   // The limits may have been higher, or the row is damaged: the film would not fit into memory.
-  if (auto fits = check_picture_size(record.spec->settings(), limits_); !fits)
+  if (auto fits = check_image_size(record.spec->settings(), limits_); !fits)
     return restore_damaged(row, fits.error().within("recovering job " + row.id));
   auto loaded = films_.load(*record.spec);
   if (!loaded) return core::fail(loaded.error());

@@ -171,7 +171,8 @@ core::Status JobService::check_request(const v1::SubmitJobRequest& request) cons
   return blobs::check_bundle_size(request.bundle(), limits_);
 }
 
-core::Result<v1::Job> JobService::submit(const v1::SubmitJobRequest& request, const std::string& owner) {
+core::Result<v1::Job> JobService::submit(const v1::SubmitJobRequest& request, const std::string& owner,
+                                         const std::string& peer) {
   if (auto known = find_submission(request.request_id(), owner)) return *known;
   if (auto fine = check_request(request); !fine) return core::fail(fine.error());
   const auto place = QuotaReservation::take(farm_, owner, limits_);
@@ -181,7 +182,7 @@ core::Result<v1::Job> JobService::submit(const v1::SubmitJobRequest& request, co
   if (auto here = check_presence(request.bundle(), state_.blobs); !here) return core::fail(here.error());
   ValidatingJob job = make_job(request, owner);
   job.files = std::move(files);
-  return add(std::move(job));
+  return add(std::move(job), peer);
 }
 
 std::optional<core::Result<v1::Job>> JobService::find_submission(const std::string& request_id,
@@ -208,7 +209,7 @@ core::Result<std::optional<JobSnapshot>> JobService::find_known(const std::strin
   return std::optional(farm::snapshot_of_row(**row));
 }
 
-core::Result<v1::Job> JobService::add(ValidatingJob job) {
+core::Result<v1::Job> JobService::add(ValidatingJob job, const std::string& peer) {
   const core::MutexLock one_at_a_time(submit_mutex_);
   const auto spec = job.spec;
   if (auto known = find_submission(job.request_id, spec->owner())) return *known;
@@ -221,7 +222,7 @@ core::Result<v1::Job> JobService::add(ValidatingJob job) {
     return find_in_memory(lock, spec->id())->snapshot;
   }();
   common::log(spdlog::level::info, fmt::format("job {} ({}) submitted", spec->id(), spec->name()),
-              {.job = spec->id(), .principal = spec->owner()});
+              {.job = spec->id(), .principal = spec->owner(), .peer = peer});
   return describe(added);
 }
 

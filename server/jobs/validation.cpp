@@ -116,7 +116,7 @@ core::Result<v1::Job> JobService::check_scene(const Validation& task) {
     return core::fail(possible.error());
   const auto display = proto::resolve_display(scene->display, task.submission->display());
   if (!display) return core::fail(display.error());
-  if (auto fits = check_picture_size(scene->settings, limits_); !fits) return core::fail(fits.error());
+  if (auto fits = check_image_size(scene->settings, limits_); !fits) return core::fail(fits.error());
   if (auto fits = check_spp(scene->settings.spp(), limits_); !fits) return core::fail(fits.error());
   v1::Job spec = *task.spec;
   *spec.mutable_settings() = std::move(scene->settings);

@@ -53,7 +53,8 @@ void UploadStream::OnReadDone(bool ok) {
     waiting_since_.reset();
     if (ended_) return;
   }
-  const bool posted = pools_.quick.post(guarded_step(*this, [this, ok] { ok ? take_chunk() : commit(); }));
+  const bool posted =
+      pools_.receiving.post(guarded_step(*this, [this, ok] { ok ? take_chunk() : commit(); }));
   if (!posted) Finish(busy());
 }
 
@@ -70,11 +71,15 @@ void UploadStream::end_if_waiting_since(Clock::time_point time) {
 
 void UploadStream::OnDone() {
   streams_.stalls.remove(*this);
-  static_cast<void>(guarded([this]() -> core::Status {
-    keep_partial();
-    return {};
-  }));
-  delete this;
+  const auto end = [this] {
+    static_cast<void>(guarded([this]() -> core::Status {
+      keep_partial();
+      return {};
+    }));
+    delete this;
+  };
+  // An incomplete file may be deleted, which uses the disk.
+  if (!writer_ || !pools_.receiving.post(end)) end();
 }
 
 void UploadStream::take_chunk() {

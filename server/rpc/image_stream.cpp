@@ -13,7 +13,7 @@
 namespace tessera::rpc {
 
 void ImageStream::begin() {
-  if (!pools_.quick.post(guarded_step(*this, [this] { wait_for_memory(); }))) Finish(busy());
+  if (!pools_.users.post(caller().key, guarded_step(*this, [this] { wait_for_memory(); }))) Finish(busy());
 }
 
 // The stream may end at any moment once it waits, but it is not deleted before OnDone has taken the lock.
@@ -24,16 +24,16 @@ void ImageStream::wait_for_memory() {
   const core::MutexLock lock(mutex_);
   if (cancelled_) return Finish(grpc::Status::CANCELLED);
   queued_since_ = Clock::now();
-  const auto granted = [this](base::FairShare::Held memory) { make_picture(std::move(memory)); };
+  const auto granted = [this](base::FairShare::Held memory) { make_image(std::move(memory)); };
   if (!streams().image_mib.wait(this, caller().key, need_mib_, granted)) Finish(no_memory());
 }
 
 // The caller must hold neither the lock nor that of wait_for_memory().
-void ImageStream::make_picture(base::FairShare::Held memory) {
+void ImageStream::make_image(base::FairShare::Held memory) {
   memory_.emplace(std::move(memory));
   const bool posted = pools_.slow.post(caller().key, guarded_step(*this, [this] {
                                          if (pools_.slow.is_closed()) return Finish(stopping());
-                                         if (auto taken = take_picture(); !taken)
+                                         if (auto taken = take_image(); !taken)
                                            return Finish(proto::to_grpc(taken));
                                          write_next();
                                        }));
@@ -49,7 +49,7 @@ grpc::Status ImageStream::no_memory() {
   return auth::try_later(context(), error, auth::kTryAgainAfter);
 }
 
-core::Status ImageStream::take_picture() {
+core::Status ImageStream::take_image() {
   auto image = coordinator_.images().write(request_);
   if (!image) return core::fail(image.error());
   response_.mutable_header()->set_size_bytes(image->size_bytes);
@@ -67,7 +67,7 @@ void ImageStream::OnWriteDone(bool ok) {
   if (!ok) return Finish(grpc::Status::CANCELLED);
   if (sent_bytes_ == size_bytes_) return Finish(grpc::Status::OK);
   response_.clear_header();
-  write_next();
+  if (!pools_.sending.post(guarded_step(*this, [this] { write_next(); }))) Finish(busy());
 }
 
 void ImageStream::write_next() {
@@ -103,8 +103,10 @@ void ImageStream::on_cancel() {
 }
 
 void ImageStream::OnDone() {
+  streams().stalls.remove(*this);
   { const core::MutexLock whoever_ended_it_is_done(mutex_); }
-  RequestCall::OnDone();
+  // The file may be large, and to free it uses the disk.
+  if (!file_ || !pools_.sending.post([this] { RequestCall::OnDone(); })) RequestCall::OnDone();
 }
 
 }  // namespace tessera::rpc

@@ -37,8 +37,8 @@ class ImageStream final : public RequestCall {
   void end_own_wait_since(Clock::time_point time) override;
 
   void wait_for_memory();
-  void make_picture(base::FairShare::Held memory);
-  core::Status take_picture();
+  void make_image(base::FairShare::Held memory);
+  core::Status take_image();
   void write_next();
   // RESOURCE_EXHAUSTED, with the delay before a retry.
   grpc::Status no_memory();

@@ -13,7 +13,7 @@ core::Result<v1::Job> submit(server::Coordinator& coordinator, ValidationQueue& 
   if (auto known = jobs.find_submission(request.request_id(), caller.name)) return *std::move(known);
   auto place = validations.reserve(caller.key);
   if (!place) return core::fail(place.error());
-  auto job = jobs.submit(request, caller.name);
+  auto job = jobs.submit(request, caller.name, caller.machine);
   if (job) validations.post(caller.key, *std::move(place), job->id());
   return job;
 }

@@ -7,10 +7,17 @@
 
 namespace tessera::rpc {
 
+// Each kind waits for itself alone: a disk that hangs stops those that use it.
 struct Pools {
-  // Calls of workers that take milliseconds, above all heartbeats, and steps of streams.
-  base::ThreadPool& quick;
-  // Calls of users that take milliseconds. They are separate, so that a busy disk does not delay heartbeats.
+  // Heartbeats, which use no disk. Nothing else, since workers whose heartbeats wait are taken for lost.
+  base::ThreadPool& heartbeats;
+  // Results of workers, which take milliseconds to decompress and use no disk.
+  base::ThreadPool& results;
+  // Chunks of uploaded files, until these are synced to disk.
+  base::ThreadPool& receiving;
+  // Chunks of files that are read from disk and sent: scenes to workers, images to users.
+  base::ThreadPool& sending;
+  // Calls of users that take milliseconds, with the disk that lists and finished jobs are read from.
   base::FairPool& users;
   // What watchers are sent: messages, and tiles, which take a millisecond each to encode.
   base::FairPool& watching;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Moves the work of handlers from gRPC's threads to our pools, which also finish the calls. gRPC has few
-// threads for callbacks, at least two, and one that blocks stops the others. Short work may run on one of
-// them at a time, since waking another thread costs a good part of such work.
+// threads for callbacks, at least two, and one that blocks stops the others. Short work without disk access
+// may run on one of them at a time for each pool, since waking another thread costs a good part of such work.
 #pragma once
 
 #include <grpcpp/support/status.h>

@@ -41,13 +41,17 @@ constexpr auto kLongestCheckpoint = std::chrono::milliseconds(500);
 constexpr auto kRemovePeriod = std::chrono::milliseconds(100);
 constexpr auto kRetirePeriod = std::chrono::seconds(1);
 constexpr auto kCollectPeriod = std::chrono::minutes(10);
+constexpr auto kHealthPeriod = std::chrono::milliseconds(1000);
 constexpr auto kLeaveForCalls = std::chrono::seconds(2);
 
+constexpr const char* kRenderService = "tessera.v1.RenderService";
+
 constexpr int kSlowThreads = 2, kClearingThreads = 1;
-constexpr std::size_t kMaxWaitingQuick = 1024;
+constexpr std::size_t kMaxWaiting = 1024;
 constexpr std::size_t kMaxWaitingSlow = 64;
 
-int quick_threads() {
+// Of each pool for tasks that take milliseconds.
+int pool_threads() {
   return std::max(2, static_cast<int>(core::available_threads()));
 }
 
@@ -86,11 +90,13 @@ core::Status write_all(Coordinator& coordinator) {
 // Logs failures and recoveries of checkpoints once each. For one thread at a time.
 class CheckpointLog {
  public:
-  void write(Coordinator& coordinator) {
+  // Returns whether everything was written.
+  core::Status write(Coordinator& coordinator) {
     const auto begin = std::chrono::steady_clock::now();
-    const core::Status written = write_all(coordinator);
+    core::Status written = write_all(coordinator);
     note_time(std::chrono::steady_clock::now() - begin);
     note(written);
+    return written;
   }
 
  private:
@@ -126,23 +132,26 @@ struct Server::Parts {
         gate(std::move(access), limits),
         calls(gate.methods()),
         streams(limits, calls),
-        quick(quick_threads(), kMaxWaitingQuick),
-        users(quick_threads(), kMaxWaitingQuick),
-        watching(quick_threads(), limits.watches),
+        heartbeats(pool_threads(), kMaxWaiting),
+        results(pool_threads(), kMaxWaiting),
+        receiving(pool_threads(), kMaxWaiting + static_cast<std::size_t>(limits.uploads)),
+        sending(pool_threads(), kMaxWaiting + static_cast<std::size_t>(limits.fetches)),
+        users(pool_threads(), kMaxWaiting),
+        watching(pool_threads(), limits.watches),
         slow(kSlowThreads, kMaxWaitingSlow),
         validations(c, limits),
         clearing(kClearingThreads, limits.uploads),
         watches(c.events()),
         facts(f),
-        render_service(c, gate, {quick, users, watching, slow, clearing}, validations, watches, streams,
-                       facts),
-        worker_service(c, gate, quick, streams),
+        render_service(c, gate, pools(), validations, watches, streams, facts),
+        worker_service(c, gate, pools(), streams),
         admin_service(c, gate, users, streams),
-        checkpointer(kCheckpointPeriod, [this] { checkpoint_log.write(coordinator); }),
+        checkpointer(kCheckpointPeriod, [this] { write_checkpoint(); }),
         ticker(kTickPeriod,
                [this] {
                  gate.flush_log();
                  if (coordinator.dispatcher().tick()) checkpointer.trigger();
+                 readiness.note_lock();
                }),
         validator(kValidatePeriod, [this] { validations.post_unvalidated(); }),
         reopener(kReopenPeriod, [this] { coordinator.jobs().reopen(); }),
@@ -151,6 +160,10 @@ struct Server::Parts {
         collector(kCollectPeriod, [this] { coordinator.files().collect(); }),
         store_checker([this](const std::stop_token& stop) { check_store(stop); }) {}
 
+  Pools pools() { return {heartbeats, results, receiving, sending, users, watching, slow, clearing}; }
+  void write_checkpoint();
+  // Tells gRPC's health service whether the coordinator takes new work.
+  void report_health();
   // Logs each failure once.
   void note_maintenance(const core::Status& done);
   // Reads what was too large to be checked at the start.
@@ -165,12 +178,13 @@ struct Server::Parts {
   auth::AuthInterceptor gate;
   CallStats calls;
   StreamLimits streams;
-  base::ThreadPool quick;
+  base::ThreadPool heartbeats, results, receiving, sending;
   base::FairPool users, watching, slow;
   ValidationQueue validations;
   base::FairPool clearing;
   WatchHub watches;
   const ServerFacts facts;
+  Readiness readiness;
   RenderService render_service;
   WorkerService worker_service;
   AdminService admin_service;
@@ -182,8 +196,21 @@ struct Server::Parts {
   std::shared_ptr<proto::Certificates> certificates;  // null without TLS
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<grpc::Server> grpc;
+  std::unique_ptr<base::Periodic> health_reporter;
   std::unique_ptr<proto::Listener> listener;  // passes connections to the acceptor
 };
+
+// A checkpoint without changes writes nothing, and succeeds on a full disk.
+void Server::Parts::write_checkpoint() {
+  const core::Status written = checkpoint_log.write(coordinator);
+  std::string trouble = base::write_obstacle(coordinator.store().file().parent_path());
+  if (trouble.empty() && !written) trouble = "the last checkpoint failed; the coordinator's log says why";
+  readiness.note_store(std::move(trouble));
+}
+
+void Server::Parts::report_health() {
+  grpc->GetHealthCheckService()->SetServingStatus(kRenderService, readiness.status().has_value());
+}
 
 void Server::Parts::note_maintenance(const core::Status& done) {
   const std::string failure = done ? "" : done.error().message;
@@ -217,9 +244,9 @@ core::Status Server::Parts::serve(const std::shared_ptr<grpc::ServerCredentials>
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
   grpc = builder.BuildAndStart();
   if (!grpc) return core::fail(core::ErrorCode::kInternal, "gRPC does not start");
-  for (const char* const service :
-       {"tessera.v1.RenderService", "tessera.v1.WorkerService", "tessera.v1.AdminService"})
+  for (const char* const service : {kRenderService, "tessera.v1.WorkerService", "tessera.v1.AdminService"})
     grpc->GetHealthCheckService()->SetServingStatus(service, true);
+  health_reporter = std::make_unique<base::Periodic>(kHealthPeriod, [this] { report_health(); });
   listener->start([this](int descriptor) {
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
     connection.fd = descriptor;
@@ -268,8 +295,7 @@ core::Result<std::unique_ptr<Server>> Server::start(Coordinator& coordinator, Se
 
 Services Server::services() {
   Parts& p = *parts_;
-  return {p.coordinator, p.gate, {p.quick, p.users, p.watching, p.slow, p.clearing}, p.validations, p.watches,
-          p.streams,     p.facts};
+  return {p.coordinator, p.gate, p.pools(), p.validations, p.watches, p.streams, p.facts, p.readiness};
 }
 
 const CallStats& Server::calls() const {
@@ -277,7 +303,10 @@ const CallStats& Server::calls() const {
 }
 
 std::vector<Server::QueueDepth> Server::queue_depths() const {
-  return {{"quick", parts_->quick.waiting()},
+  return {{"heartbeats", parts_->heartbeats.waiting()},
+          {"results", parts_->results.waiting()},
+          {"receiving", parts_->receiving.waiting()},
+          {"sending", parts_->sending.waiting()},
           {"users", parts_->users.waiting()},
           {"watching", parts_->watching.waiting()},
           {"slow", parts_->slow.waiting()},
@@ -289,8 +318,15 @@ proto::Certificates* Server::certificates() {
   return parts_->certificates.get();
 }
 
+void Server::announce_stop() {
+  parts_->readiness.note_stop();
+  parts_->report_health();
+}
+
 core::Status Server::stop() {
   if (!parts_) return {};
+  parts_->health_reporter.reset();
+  announce_stop();
   Coordinator& coordinator = parts_->coordinator;
   coordinator.close();
   parts_->slow.close();

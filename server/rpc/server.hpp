@@ -57,6 +57,8 @@ class Server {
   // Null without TLS. Not after stop().
   proto::Certificates* certificates();
 
+  // From now on probes are told that it stops.
+  void announce_stop();
   // Answers waiting calls, ends all calls, and writes the last checkpoint. Returns whether that was written.
   core::Status stop();
 

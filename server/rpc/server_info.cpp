@@ -11,10 +11,10 @@ namespace tessera::rpc {
 namespace {
 
 // docs/protocol.md describes each.
-constexpr std::array<std::string_view, 15> kFeatures{
-    "admin-service", "batch-upload",     "error-details", "image-region", "images",
-    "job-events",    "job-labels",       "job-pages",     "layers",       "resumable-upload",
-    "tile-targets",  "validating-state", "watch-farm",    "watch-tiles",  "worker-pages"};
+constexpr std::array<std::string_view, 17> kFeatures{
+    "admin-service",    "batch-upload", "error-details", "image-region",   "images",           "job-events",
+    "job-labels",       "job-pages",    "layers",        "queued-jobs",    "resumable-upload", "tile-targets",
+    "validating-state", "watch-farm",   "watch-tiles",   "worker-filters", "worker-pages"};
 
 }  // namespace
 
@@ -32,7 +32,7 @@ v1::GetServerInfoResponse server_info(const ServerFacts& facts, const server::Li
   told.set_blob_bytes(limits.blob_bytes());
   told.set_bundle_bytes(limits.bundle_bytes());
   told.set_bundle_files(limits.bundle_files);
-  told.set_image_pixels(limits.picture_pixels);
+  told.set_image_pixels(limits.image_pixels);
   told.set_spp(limits.spp);
   told.set_images(limits.images);
   return info;

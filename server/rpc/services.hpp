@@ -6,6 +6,7 @@
 #include "server/auth/auth_interceptor.hpp"
 #include "server/coordinator.hpp"
 #include "server/rpc/pools.hpp"
+#include "server/rpc/readiness.hpp"
 #include "server/rpc/server_info.hpp"
 #include "server/rpc/stream_limits.hpp"
 #include "server/rpc/validation_queue.hpp"
@@ -21,6 +22,7 @@ struct Services {
   WatchHub& watches;
   StreamLimits& streams;
   const ServerFacts& facts;
+  const Readiness& readiness;
 };
 
 }  // namespace tessera::rpc

@@ -12,7 +12,8 @@ namespace tessera::rpc {
 inline farm::WorkerPrincipal principal_of(const auth::Principal& caller) {
   return {.name = caller.name,
           .individual = caller.individual,
-          .origin = caller.individual ? caller.name : caller.name + " at " + caller.machine};
+          .origin = caller.individual ? caller.name : caller.name + " at " + caller.machine,
+          .peer = caller.machine};
 }
 
 }  // namespace tessera::rpc

@@ -18,17 +18,17 @@ constexpr std::size_t kShortResultBytes = 256 << 10;
 }  // namespace
 
 WorkerService::WorkerService(server::Coordinator& coordinator, auth::AuthInterceptor& gate,
-                             base::ThreadPool& pool, StreamLimits& streams)
+                             const Pools& pools, StreamLimits& streams)
     : GuardedService("tessera.v1.WorkerService", gate, streams),
       coordinator_(coordinator),
-      pool_(pool),
+      pools_(pools),
       calls_(streams.calls) {
   add_unary("SubmitResult", &WorkerService::submit_result);
   add_call("Synchronize", [this, &streams](grpc::CallbackServerContext& context, auth::Admission admission) {
-    return new SynchronizeCall(context, coordinator_, pool_, streams, std::move(admission));
+    return new SynchronizeCall(context, coordinator_, pools_.heartbeats, streams, std::move(admission));
   });
   add_call("FetchBlob", [this, &streams](grpc::CallbackServerContext& context, auth::Admission admission) {
-    return new FetchStream(context, coordinator_, pool_, streams, std::move(admission));
+    return new FetchStream(context, coordinator_, pools_.sending, streams, std::move(admission));
   });
 }
 
@@ -42,7 +42,7 @@ void WorkerService::submit_result(UnaryCall<v1::SubmitResultRequest, v1::SubmitR
   const std::size_t bytes = call.request().ByteSizeLong();
   calls_.traffic.results_received += bytes;
   const bool is_short = call.request().items_size() <= 1 && bytes <= kShortResultBytes;
-  is_short ? run_short_unary(call, pool_, count) : run_unary(call, pool_, count);
+  is_short ? run_short_unary(call, pools_.results, count) : run_unary(call, pools_.results, count);
 }
 
 }  // namespace tessera::rpc

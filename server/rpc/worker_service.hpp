@@ -3,9 +3,9 @@
 // Thread-safe.
 #pragma once
 
-#include "server/base/thread_pool.hpp"
 #include "server/coordinator.hpp"
 #include "server/rpc/guarded_service.hpp"
+#include "server/rpc/pools.hpp"
 #include "server/rpc/stream_limits.hpp"
 #include "tessera/v1/worker_service.pb.h"
 
@@ -13,14 +13,14 @@ namespace tessera::rpc {
 
 class WorkerService final : public GuardedService {
  public:
-  WorkerService(server::Coordinator& coordinator, auth::AuthInterceptor& gate, base::ThreadPool& pool,
+  WorkerService(server::Coordinator& coordinator, auth::AuthInterceptor& gate, const Pools& pools,
                 StreamLimits& streams);
 
  private:
   void submit_result(UnaryCall<v1::SubmitResultRequest, v1::SubmitResultResponse>& call);
 
   server::Coordinator& coordinator_;
-  base::ThreadPool& pool_;
+  const Pools pools_;
   CallStats& calls_;
 };
 

@@ -19,7 +19,7 @@ struct WorkPerEvent {
   int revoked_leases = 64;
   // Tiles that are searched for samples of distrusted workers, and audits that are given up.
   int searched_tiles = 4096, waived_audits = 1024;
-  // Jobs for which an auditor is sought.
+  // Jobs that need an auditor.
   int unaudited_jobs = 32;
 };
 

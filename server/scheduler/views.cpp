@@ -21,6 +21,7 @@ Waiting FarmState::waiting_of(const Job& job) const {
 JobView FarmState::job_view(const Job& job, Time now) const {
   const Waiting waiting = waiting_of(job);
   const bool is_queued = job.state() == JobState::kRunning && job.holder_count() == 0 && job.free() > 0;
+  const bool is_over = job.state() != JobState::kRunning && job.state() != JobState::kPaused;
   return {.id = job.id(),
           .shape = job.shape(),
           .priority = job.policy().priority,
@@ -28,7 +29,7 @@ JobView FarmState::job_view(const Job& job, Time now) const {
           .failure = job.failure,
           .samples_done = job.done(),
           .samples_total = job.total(),
-          .samples_per_second = job.rate.per_second(now),
+          .samples_per_second = is_over ? 0 : job.rate.per_second(now),
           .active_workers = static_cast<int>(job.holder_count()),
           .max_workers = job.policy().max_workers,
           .samples_to_verify = job.to_verify(),

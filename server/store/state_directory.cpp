@@ -23,9 +23,17 @@ constexpr const char* kLockName = "lock";
 core::Status take_lock(const base::Fd& lock, const std::filesystem::path& folder,
                        std::string_view what_to_do) {
   if (::flock(lock.get(), LOCK_EX | LOCK_NB) == 0) return {};
-  if (errno != EWOULDBLOCK) return core::fail(base::errno_error("locking", folder / kLockName));
+  if (errno != EWOULDBLOCK) return core::fail(base::errno_error("locking", folder));
   return core::fail(core::ErrorCode::kFailedPrecondition,
                     fmt::format("another coordinator runs on {}: {}", folder.string(), what_to_do));
+}
+
+// The lock on the folder itself, which nobody can remove from under its database.
+core::Result<base::Fd> lock_folder(const std::filesystem::path& folder, std::string_view what_to_do) {
+  base::Fd lock(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!lock) return core::fail(base::errno_error("opening", folder));
+  if (auto taken = take_lock(lock, folder, what_to_do); !taken) return core::fail(taken.error());
+  return lock;
 }
 
 // To run on a backup would change it.
@@ -38,13 +46,22 @@ core::Status expect_no_backup(const std::filesystem::path& folder) {
                                 folder.string(), folder.string()));
 }
 
-core::Result<base::Fd> lock_state(const std::filesystem::path& folder, std::string_view what_to_do) {
-  if (auto usable = expect_no_backup(folder); !usable) return core::fail(usable.error());
+// `flags` of open(): whether the file may be missing, and is then created.
+core::Result<FolderLock> lock_state(const std::filesystem::path& folder, int flags,
+                                    std::string_view what_to_do) {
+  auto locked = lock_folder(folder, what_to_do);
+  if (!locked) return core::fail(locked.error());
   const std::filesystem::path path = folder / kLockName;
-  base::Fd lock(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
-  if (!lock) return core::fail(base::errno_error("opening", path));
-  if (auto taken = take_lock(lock, folder, what_to_do); !taken) return core::fail(taken.error());
-  return lock;
+  base::Fd file(::open(path.c_str(), flags | O_CLOEXEC, 0600));
+  if (!file && errno == ENOENT) return FolderLock{*std::move(locked), {}};
+  if (!file) return core::fail(base::errno_error("opening", path));
+  if (auto taken = take_lock(file, folder, what_to_do); !taken) return core::fail(taken.error());
+  return FolderLock{*std::move(locked), std::move(file)};
+}
+
+core::Result<FolderLock> lock_to_write(const std::filesystem::path& folder, std::string_view what_to_do) {
+  if (auto usable = expect_no_backup(folder); !usable) return core::fail(usable.error());
+  return lock_state(folder, O_RDWR | O_CREAT, what_to_do);
 }
 
 core::Status expect_state(const std::filesystem::path& folder) {
@@ -60,25 +77,19 @@ core::Status expect_state(const std::filesystem::path& folder) {
 
 }  // namespace
 
-core::Result<base::Fd> lock_existing_state(const std::filesystem::path& folder) {
+core::Result<FolderLock> lock_existing_state(const std::filesystem::path& folder) {
   if (auto there = expect_state(folder); !there) return core::fail(there.error());
-  base::Fd lock(::open((folder / kLockName).c_str(), O_RDONLY | O_CLOEXEC));
-  if (!lock && errno == ENOENT) return lock;
-  if (!lock) return core::fail(base::errno_error("opening", folder / kLockName));
-  if (auto taken = take_lock(lock, folder, "end it first, or make a backup of the folder with --backup");
-      !taken)
-    return core::fail(taken.error());
-  return lock;
+  return lock_state(folder, O_RDONLY, "end it first, or make a backup of the folder with --backup");
 }
 
-core::Result<base::Fd> lock_state_to_mend(const std::filesystem::path& folder) {
+core::Result<FolderLock> lock_state_to_mend(const std::filesystem::path& folder) {
   if (auto there = expect_state(folder); !there) return core::fail(there.error());
-  return lock_state(folder, "end it first");
+  return lock_to_write(folder, "end it first");
 }
 
-core::Result<base::Fd> lock_new_state(const std::filesystem::path& folder) {
+core::Result<FolderLock> lock_new_state(const std::filesystem::path& folder) {
   if (auto created = base::create_folder(folder); !created) return core::fail(created.error());
-  auto lock = lock_state(folder, "choose another folder with --state");
+  auto lock = lock_to_write(folder, "choose another folder with --state");
   std::error_code error;
   if (lock && std::filesystem::exists(folder / kDatabaseName, error))
     return core::fail(
@@ -97,7 +108,7 @@ core::Status copy_database(const std::filesystem::path& folder, const std::files
 
 core::Result<StateDirectory> StateDirectory::open(const std::filesystem::path& folder) {
   if (auto created = base::create_folder(folder); !created) return core::fail(created.error());
-  auto lock = lock_state(folder, "end it, or choose another folder with --state");
+  auto lock = lock_to_write(folder, "end it, or choose another folder with --state");
   if (!lock) return core::fail(lock.error());
   auto blobs = blobs::BlobStore::open(folder / kBlobsName);
   if (!blobs) return core::fail(blobs.error());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The state directory of a coordinator:
 //
-//   lock          held while a coordinator runs on it
+//   lock          locked while a coordinator runs on it, as the folder itself is
 //   tessera.db    jobs and films (job_store.hpp)
 //   blobs/        scenes and their assets (blob_store.hpp)
 //
@@ -23,14 +23,20 @@ inline constexpr const char* kBlobsName = "blobs";
 // The list of the files of a backup.
 inline constexpr const char* kBackupListName = "tessera-backup.sha256";
 
-// Locks a state for reading: no coordinator can start while the lock is held. Creates nothing; empty for a
-// copy without a lock file. NOT_FOUND if no coordinator has ever run on the folder, FAILED_PRECONDITION if
+// The lock of a state, until it is destroyed. That of the folder holds even if somebody removes the file,
+// which is what earlier releases lock.
+struct FolderLock {
+  base::Fd folder, file;
+};
+
+// Locks a state for reading: no coordinator can start while the lock is held. Creates nothing; without a file
+// for a copy that has none. NOT_FOUND if no coordinator has ever run on the folder, FAILED_PRECONDITION if
 // one runs now.
-core::Result<base::Fd> lock_existing_state(const std::filesystem::path& folder);
+core::Result<FolderLock> lock_existing_state(const std::filesystem::path& folder);
 // The same for salvaging: creates the lock file if there is none. FAILED_PRECONDITION for a backup.
-core::Result<base::Fd> lock_state_to_mend(const std::filesystem::path& folder);
+core::Result<FolderLock> lock_state_to_mend(const std::filesystem::path& folder);
 // The same for a state that is to be written: creates the folder. FAILED_PRECONDITION if it has a database.
-core::Result<base::Fd> lock_new_state(const std::filesystem::path& folder);
+core::Result<FolderLock> lock_new_state(const std::filesystem::path& folder);
 
 // Writes the database of a state as it is at one moment to a new file, also while a coordinator runs on the
 // state, which is not delayed. Blocks for the disk. Errors are those of lock_existing_state(), but for a
@@ -43,7 +49,7 @@ struct StateDirectory {
   static core::Result<StateDirectory> open(const std::filesystem::path& folder);
 
   std::filesystem::path folder;
-  base::Fd lock;
+  FolderLock lock;
   blobs::BlobStore blobs;
   JobStore jobs;
 };

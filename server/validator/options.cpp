@@ -37,13 +37,13 @@ Options parse_options(int argc, char** argv) {
   app.set_version_flag("--version", "tessera-validator " + std::string(core::version()), "Print the version");
   sandbox::add_flags(app, options.sandbox, {.memory_mib = kMemoryFlag, .cpu_seconds = kSecondsFlag});
   add_limit(app, kTrianglesFlag, options.scene.triangles,
-            "Most triangles of a scene's meshes [default: no limit]");
+            "Maximum triangles of a scene's meshes [default: no limit]");
   add_limit(app, kLightsFlag, options.scene.lights,
-            "Most lights of a scene, emissive triangles of every instance included [default: no limit]");
+            "Maximum lights of a scene, emissive triangles of every instance included [default: no limit]");
   add_limit(app, kTexturePixelsFlag, options.scene.texture_pixels,
-            "Most pixels of a texture [default: no limit]");
+            "Maximum pixels of a texture [default: no limit]");
   add_limit(app, kSceneTexturePixelsFlag, options.scene.scene_texture_pixels,
-            "Most pixels of all textures of a scene [default: no limit]");
+            "Maximum pixels of all textures of a scene [default: no limit]");
   if (const auto ended = cli::parse(app, argc, argv, "tessera-validator")) std::exit(*ended);
   return options;
 }

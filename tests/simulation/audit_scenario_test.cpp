@@ -63,7 +63,7 @@ TEST_F(AuditScenario, AnAuditOfEverythingCostsAsMuchAsTheRender) {
   EXPECT_LT(run_until_done(), kSlack * 2 * kJobSamples / 150'000 + 3);
 }
 
-TEST_F(AuditScenario, ALiarAmongThreeIsFoundOutAndItsTilesAreRenderedAgain) {
+TEST_F(AuditScenario, OneForgingWorkerOfThreeIsDetectedAndItsTilesAreRenderedAgain) {
   start();
   for (const char* name : {"a", "b"}) machine(name);
   machine("liar machine").lie(0.1);
@@ -76,7 +76,7 @@ TEST_F(AuditScenario, ALiarAmongThreeIsFoundOutAndItsTilesAreRenderedAgain) {
 }
 
 // Of two workers that differ, it is unknown which is wrong; a third one decides.
-TEST_F(AuditScenario, ALiarAmongTwoKeepsTheJobWaitingForAThird) {
+TEST_F(AuditScenario, OneForgingWorkerOfTwoKeepsTheJobWaitingForAThird) {
   start();
   machine("a");
   machine("liar machine").lie(1);
@@ -101,12 +101,12 @@ TEST_F(AuditScenario, AFarmOfOneMachineIsDoneWithoutItsAuditsAfterAWhile) {
 
 // Without audits a lying worker is trusted until its results are rejected. Then all of its ranges are
 // verified, also those of a done job.
-class PutAside : public AuditScenario, public testing::WithParamInterface<double> {
+class Quarantined : public AuditScenario, public testing::WithParamInterface<double> {
  protected:
-  PutAside() : AuditScenario(0) {}
+  Quarantined() : AuditScenario(0) {}
 };
 
-TEST_P(PutAside, WhatItRenderedIsVerified) {
+TEST_P(Quarantined, TheSamplesOfAQuarantinedWorkerAreVerified) {
   start();
   for (const char* name : {"a", "b"}) machine(name);
   WorkerMachine& liar = machine("liar machine");
@@ -121,7 +121,7 @@ TEST_P(PutAside, WhatItRenderedIsVerified) {
   EXPECT_FALSE(coordinator_.spoilt("job"));
 }
 
-INSTANTIATE_TEST_SUITE_P(WhileTheJobRunsAndAfter, PutAside, testing::Values(8.0, 500.0));
+INSTANTIATE_TEST_SUITE_P(WhileTheJobRunsAndAfter, Quarantined, testing::Values(8.0, 500.0));
 
 }  // namespace
 }  // namespace tessera::simulation

@@ -68,7 +68,7 @@ TEST_F(FarmScenario, AStragglerDoesNotHoldUpTheEnd) {
   EXPECT_LT(run_until_one_is_done(), kSlack * kJobSamples / 50'000 + 1);
 }
 
-TEST_F(FarmScenario, ADeadWorkerCostsNoMoreThanItsLeaseTime) {
+TEST_F(FarmScenario, ALostWorkerCostsAtMostItsLeaseTime) {
   machine(50'000);
   WorkerMachine& dying = machine(50'000);
   submit("job", kJob);
@@ -173,7 +173,7 @@ TEST_F(FarmScenario, MachinesThatAreBrokenFailNoJob) {
 }
 
 // Its leases go to others, and it is given new ones as soon as it can render them.
-TEST_F(FarmScenario, WhoFetchesForLongIsServedAsSoonAsItHasTheScene) {
+TEST_F(FarmScenario, ASlowDownloadGetsWorkOnceItHasTheScene) {
   WorkerMachine& slow = machine(50'000);
   slow.fetch_slowly(seconds(700));
   submit("job", {1024, 1024, 256}, 0);
@@ -221,7 +221,7 @@ TEST_F(FarmScenario, AJobWithALimitGetsItsShareAndItsEqualsTheRest) {
   EXPECT_NEAR(static_cast<double>(jobs[1].samples_done), 60 * 20'000, 0.35 * 60 * 20'000);
 }
 
-TEST_F(FarmScenario, ALimitThatIsLiftedBringsEverybodyAtOnce) {
+TEST_F(FarmScenario, ALiftedLimitNotifiesAllIdleWorkers) {
   for (int i = 0; i < 4; ++i) machine(20'000);
   submit("job", kJob, 1);
   run_until(20);

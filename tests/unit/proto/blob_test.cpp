@@ -76,7 +76,7 @@ TEST(Chunks, PutTogetherAreTheBlob) {
   }
 }
 
-TEST(Chunks, StopWhenTheReceiverIsGone) {
+TEST(Chunks, StopWhenTheReceiverDisconnects) {
   const std::string bytes = pattern(3 * kChunkBytes);
   int sent = 0;
   EXPECT_FALSE(for_each_chunk(digest_of(bytes), bytes, [&](const v1::BlobChunk&) { return ++sent < 2; }));

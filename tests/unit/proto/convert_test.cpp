@@ -27,7 +27,7 @@ TEST(Convert, SettingsComeBackAsTheyWere) {
   EXPECT_EQ(window_of(to_proto(settings)), settings.window());
 }
 
-TEST(Convert, SettingsOfBeforeThereWereWindowsAreOfTheWholePicture) {
+TEST(Convert, SettingsOfBeforeThereWereWindowsAreOfTheWholeImage) {
   const v1::RenderSettings message = to_proto(core::RenderSettings{.width_px = 640, .height_px = 480});
   EXPECT_FALSE(message.has_crop());
   EXPECT_EQ(from_proto(message)->crop, std::nullopt);

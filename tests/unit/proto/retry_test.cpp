@@ -94,7 +94,7 @@ TEST(Retry, GivesUpWhenInterrupted) {
 }
 
 // Attempts of ten seconds each, of which the first few make progress.
-TEST(RetryLong, PatienceBeginsAnewWhenSomethingGotThrough) {
+TEST(RetryLong, TheTimeoutRestartsWithProgress) {
   FakeTime time;
   int attempts = 0;
   const auto status =

@@ -46,7 +46,7 @@ TEST_F(Answers, BringTheNextLease) {
   EXPECT_FALSE(sync("w", {held[1], next}, 2).changed);
 }
 
-TEST_F(Answers, AreNoneForWhoNamesNoOtherLease) {
+TEST_F(Answers, AreEmptyForUnchangedLeases) {
   submit("job", tiles(100, 4));
   const auto held = hold_two("w");
   const Actions actions = deliver_holding("w", held[0], {});
@@ -71,7 +71,7 @@ TEST_F(Answers, AreNoneWhileTheLeaseGoesOn) {
 }
 
 // Its Synchronize must tell it first.
-TEST_F(Answers, AreNoneForWhoHasLostWhatItNames) {
+TEST_F(Answers, AreEmptyForUnknownLeases) {
   submit("a", tiles(2, 1));
   submit("b", tiles(100, 4));
   const auto held = hold_two("w");
@@ -84,7 +84,7 @@ TEST_F(Answers, AreNoneForWhoHasLostWhatItNames) {
   EXPECT_EQ(told.leases[0].job, JobId{"a"});
 }
 
-TEST_F(Answers, LetTheCallWaitForWhatComesLater) {
+TEST_F(Answers, KeepTheCallWaitingForWork) {
   submit("job", tiles(2, 1));
   const auto held = hold_two("w");
   const Actions actions = deliver_holding("w", held[0], {held[1].id});
@@ -94,7 +94,7 @@ TEST_F(Answers, LetTheCallWaitForWhatComesLater) {
   EXPECT_EQ(top_up("w").leases.size(), 2u);
 }
 
-TEST_F(Answers, LetTheCallTellThatALeaseWasTakenAway) {
+TEST_F(Answers, ReportARevokedLease) {
   submit("job", tiles(100, 4));
   const auto held = hold_two("w");
   deliver_holding("w", held[0], {held[1].id});
@@ -123,7 +123,7 @@ TEST_F(Answers, ThatAreLostAreSaidAgainToTheDeliveryThatIsRepeated) {
 }
 
 // A lost answer had told it of a lease that has ended, so its message cannot name the lease.
-TEST_F(Answers, AreNoneForWhoHasLostWhatItWasTold) {
+TEST_F(Answers, AreEmptyForWorkersThatLostTheirLeases) {
   submit("a", tiles(100, 4));
   submit("b", tiles(100, 4), 1);
   handle(PauseJob{{"b"}});
@@ -153,7 +153,7 @@ TEST_F(Answers, AreNoneWhileAnIdleWorkerWaitsForWhatBecomesFree) {
 }
 
 // A lease that a worker was told with the answer to a result counts as received.
-TEST_F(Answers, MakeWhoFallsSilentASuspectOfWhatItWasTold) {
+TEST_F(Answers, CountAStrikeForLeasesOfALostWorker) {
   submit("job", tiles(100, 4));
   const auto held = hold_two("w");
   const LeaseDescription told = deliver_holding("w", held[0], {held[1].id}).reply->leases.at(1);

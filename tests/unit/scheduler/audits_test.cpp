@@ -40,7 +40,7 @@ TEST_F(Audits, AreForNoOtherProcessOfTheSameMachine) {
 }
 
 // The registry links earlier results of a worker to the name that it reports later.
-TEST_F(Audits, AreForNobodyWhoDeliveredBeforeItWasHeardOf) {
+TEST_F(Audits, AreNotAssignedToUnregisteredProducers) {
   submit("job", tiles(2, 1));
   restart();
   deliver_sums("w", {LeaseId{7}, {"job"}, {}}, {{0, {0, 1}}, {1, {0, 1}}}, honest);
@@ -130,7 +130,7 @@ TEST_F(Audits, MayComeInParts) {
   EXPECT_EQ(state("job"), kDone);
 }
 
-TEST_F(Audits, ThatAreNotFinishedBeginAnew) {
+TEST_F(Audits, RestartAfterACrash) {
   submit("job", tiles(2, 8));
   restart();
   deliver_sums("a", {LeaseId{7}, {"job"}, {}}, {{0, {0, 8}}, {1, {0, 8}}}, honest);
@@ -148,7 +148,7 @@ TEST_F(Audits, CountOnce) {
               ElementsAre(Verdict::kDropped));
 }
 
-TEST_F(Audits, OfAWorkerThatDiesGoToAnother) {
+TEST_F(Audits, OfALostWorkerAreReassigned) {
   submit("job", tiles(4, 1));
   const LeaseDescription rendered = lease_to("a");
   deliver_sums("a", rendered, honest);
@@ -172,7 +172,7 @@ TEST_F(Audits, ThatTakeLongAreGivenToAnotherAsWell) {
   EXPECT_THAT(sync("slow", {slow}).leases, IsEmpty());
 }
 
-TEST_F(Audits, AreWaitedForUntilNobodyHasComeForAWhile) {
+TEST_F(Audits, TimeOutWithoutAuditors) {
   submit("job", tiles(4, 1));
   deliver_sums("a", lease_to("a"), honest);
   for (int i = 0; i < 6; ++i) {
@@ -202,7 +202,7 @@ TEST_F(Audits, AreNotWaitedForIfTheOnlyOtherCannotBuildTheScene) {
   EXPECT_EQ(state("job"), kDone);
 }
 
-TEST_F(Audits, AreNotGivenUpWhileSomebodyCanDoThem) {
+TEST_F(Audits, AreKeptWhileAnAuditorIsRegistered) {
   submit("job", tiles(4, 1));
   deliver_sums("a", lease_to("a"), honest);
   sync("b", {}, 0);
@@ -214,7 +214,7 @@ TEST_F(Audits, AreNotGivenUpWhileSomebodyCanDoThem) {
 }
 
 // The patience starts again after an auditor was present, even if it has left.
-TEST_F(Audits, AreWaitedForAnewSinceSomebodyWasHere) {
+TEST_F(Audits, RestartTheirTimeoutWhenAnAuditorRegisters) {
   submit("job", tiles(4, 1));
   deliver_sums("a", lease_to("a"), honest);
   const auto wait = [&](int times) {

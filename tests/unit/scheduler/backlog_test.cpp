@@ -55,7 +55,7 @@ TEST_F(Backlog, ManyWaitingWorkersAreWokenAFewAtATime) {
   EXPECT_FALSE(is_left());
 }
 
-TEST_F(Backlog, NobodyIsWokenForWorkThatIsGone) {
+TEST_F(Backlog, NoIdleWaiterIsNotifiedOfRemovedWork) {
   const int most = options_.per_event.woken_workers;
   for (int w = 0; w < 3 * most; ++w) sync(worker_name(w));
   const Actions first = handle(SubmitJob{{"job"}, tiles(2, 1), 0, 1});
@@ -107,7 +107,7 @@ TEST(WaitingWorkers, WithLeasesComeLastAndAlone) {
   EXPECT_TRUE(waiting.any_idle());
 }
 
-TEST_F(Backlog, ManySilentWorkersLoseTheirLeasesAFewAtATime) {
+TEST_F(Backlog, LeasesOfManyLostWorkersExpireInBatches) {
   const int most = options_.per_event.expired_workers, workers = 5 * most / 2;
   lease_to_many(workers);
   pass(seconds(10));
@@ -120,7 +120,7 @@ TEST_F(Backlog, ManySilentWorkersLoseTheirLeasesAFewAtATime) {
   EXPECT_EQ(job("job").active_workers, 0);
 }
 
-TEST_F(Backlog, AWorkerThatWasSilentForTooLongIsTreatedAsLostBeforeItsTurn) {
+TEST_F(Backlog, AWorkerPastItsHeartbeatTimeoutIsLostBeforeItsEventIsHandled) {
   const int most = options_.per_event.expired_workers, workers = 2 * most;
   lease_to_many(workers);
   const std::string last = worker_name(workers - 1);

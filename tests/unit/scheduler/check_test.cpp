@@ -32,7 +32,7 @@ TEST_F(Checks, EndWithTheRoundHoweverManyAreAskedFor) {
   EXPECT_EQ(cursor_.rounds, 1u);
 }
 
-TEST_F(Checks, GoOnWhereverTheyAreWhenThingsHaveGone) {
+TEST_F(Checks, ContinueWhenEntriesAreRemoved) {
   for (std::size_t steps = 0; steps < kObjects; ++steps) {
     CheckCursor cursor;
     EXPECT_EQ(scheduler_->check_some(cursor, steps), std::nullopt);

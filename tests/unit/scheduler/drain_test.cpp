@@ -34,7 +34,7 @@ TEST_F(Drained, AWaitingWorkerIsGivenNoNewWorkUntilItIsUndone) {
   EXPECT_EQ(handle(TopUp{{"a"}}).reply->leases.size(), 1u);
 }
 
-TEST_F(Drained, ItLastsWhileTheWorkerIsSilent) {
+TEST_F(Drained, ItOutlastsALostWorker) {
   submit("job", tiles(4, 4));
   lease_to("a");
   handle(Drain{{"a"}});
@@ -53,7 +53,7 @@ TEST_F(Drained, OneThatLeavesByItselfStaysLeavingWhenItIsUndone) {
   EXPECT_TRUE(worker("a").draining);
 }
 
-TEST_F(Drained, AStopIsToldAtOnceThenWithEveryReply) {
+TEST_F(Drained, AStopIsSentAtOnceAndInEachResponse) {
   submit("job", tiles(4, 4));
   const LeaseDescription lease = lease_to("a");
   EXPECT_FALSE(sync("a", {lease}).changed);
@@ -67,7 +67,7 @@ TEST_F(Drained, AStopIsToldAtOnceThenWithEveryReply) {
   EXPECT_FALSE(sync("a", {lease}).stop);
 }
 
-TEST_F(Drained, NobodyElseIsConcerned) {
+TEST_F(Drained, OtherWorkersAreUnaffected) {
   EXPECT_EQ(handle(Drain{{"a"}}).status.error().code, core::ErrorCode::kNotFound);
   submit("job", tiles(4, 4));
   lease_to("a");
@@ -111,7 +111,7 @@ TEST_F(Principals, WorkersOfOneDoNotAuditEachOther) {
 }
 
 // With names alone, two of them would outvote an honest worker.
-TEST_F(Principals, ManyNamesOfOneDoNotOutvoteAnHonestOne) {
+TEST_F(Principals, ManyIdsOfOneOwnerCountOnce) {
   submit("job", tiles(2, 2));
   render_until_nothing_is_left({{"a", "liar"}, {"b", "liar"}, {"c", "liar"}, {"d", "ben"}});
   EXPECT_EQ(state("job"), JobState::kRunning) << "two principals disagree";

@@ -148,9 +148,9 @@ TEST_F(Jobs, ThatFailSayWhyAndLeaveOthersAlone) {
   submit("bad", tiles(100, 4));
   submit("good", tiles(2, 1));
   lease_to("w");
-  EXPECT_THAT(handle(FailJob{{"bad"}, "wood.png is not a picture"}).job_changes,
+  EXPECT_THAT(handle(FailJob{{"bad"}, "wood.png is not an image"}).job_changes,
               ElementsAre(JobChange{{"bad"}, kRunning, kFailed}));
-  EXPECT_EQ(job("bad").failure, "wood.png is not a picture");
+  EXPECT_EQ(job("bad").failure, "wood.png is not an image");
   render_all("w");
   EXPECT_EQ(state("good"), kDone);
 }
@@ -240,7 +240,7 @@ TEST_F(Jobs, RefuseWhatTheirStateDoesNotAllow) {
   EXPECT_EQ(state("cancelled"), kCancelled);
 }
 
-TEST_F(Jobs, CanBeToldTheSameTwice) {
+TEST_F(Jobs, ChangesAreIdempotent) {
   submit("job", tiles(2, 1));
   for (const Event& event : {Event{ResumeJob{{"job"}}}, Event{PauseJob{{"job"}}}, Event{PauseJob{{"job"}}},
                              Event{CancelJob{{"job"}}}, Event{CancelJob{{"job"}}}}) {
@@ -274,6 +274,8 @@ TEST_F(Jobs, ShowTheirSpeed) {
   }
   EXPECT_NEAR(job("job").samples_per_second, kTilePixels, kTilePixels * 0.2);
   EXPECT_NEAR(scheduler_->workers(now_)[0].samples_per_second, kTilePixels, kTilePixels * 0.2);
+  handle(CancelJob{{"job"}});
+  EXPECT_EQ(job("job").samples_per_second, 0);
 }
 
 TEST_F(Jobs, OfAWindowAreRenderedWhole) {

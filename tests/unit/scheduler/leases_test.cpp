@@ -87,7 +87,7 @@ TEST_F(Leases, AreKeptWhileTheWorkerReportsThem) {
   }
 }
 
-TEST_F(Leases, OfASilentWorkerGoToOthers) {
+TEST_F(Leases, OfALostWorkerAreReassignedToOthers) {
   submit("job", tiles(100, 16));
   const LeaseDescription lost = lease_to("silent");
   sync("silent", {lost});
@@ -101,7 +101,7 @@ TEST_F(Leases, OfASilentWorkerGoToOthers) {
   EXPECT_EQ(lease_to("other").items, std::vector{lost.items[0]}) << "alone: the worker may have died of it";
 }
 
-TEST_F(Leases, AreTakenFromASilentWorkerByAnyEventThatComesLater) {
+TEST_F(Leases, ExpireAtTheNextEvent) {
   submit("job", tiles(100, 16));
   const LeaseDescription lost = lease_to("silent");
   sync("silent", {lost});
@@ -134,14 +134,14 @@ TEST_F(Leases, OfADrainingWorkerAreNotReplaced) {
   EXPECT_EQ(lease_to("other").items, lease.items);
 }
 
-TEST_F(Leases, NotYetHeardOfByADrainingWorkerGoToOthersAtOnce) {
+TEST_F(Leases, NotYetAcknowledgedByADrainingWorkerAreReassignedAtOnce) {
   submit("job", tiles(100, 16));
   const LeaseDescription unheard = lease_to("w");
   EXPECT_TRUE(sync("w", {}, 1, true).leases.empty());
   EXPECT_EQ(lease_to("other").items, unheard.items);
 }
 
-TEST_F(Leases, OfAWorkerThatComesBackAreItsAgainIfNobodyHasTakenThem) {
+TEST_F(Leases, OfAReturningWorkerAreRestoredIfFree) {
   submit("job", tiles(100, 16));
   const LeaseDescription lease = lease_to("w");
   pass(seconds(30));
@@ -149,7 +149,7 @@ TEST_F(Leases, OfAWorkerThatComesBackAreItsAgainIfNobodyHasTakenThem) {
   EXPECT_EQ(sync("w", {lease}).leases, std::vector{lease});
 }
 
-TEST_F(Leases, OfAWorkerThatComesBackAreItsAgainOnlyInSoFarAsNobodyHasTakenThem) {
+TEST_F(Leases, OfAReturningWorkerAreRestoredAsFarAsTheyAreFree) {
   submit("job", tiles(100, 16));
   LeaseDescription lease = lease_to("w");
   pass(seconds(30));
@@ -161,7 +161,7 @@ TEST_F(Leases, OfAWorkerThatComesBackAreItsAgainOnlyInSoFarAsNobodyHasTakenThem)
   EXPECT_EQ(back.leases[0].items.front(), (WorkItem{4, {0, 1}}));
 }
 
-TEST_F(Leases, NobodyWasEverGivenAreNotBelieved) {
+TEST_F(Leases, ThatWereNeverGrantedAreRejected) {
   submit("job", tiles(100, 16));
   const LeaseDescription invented{LeaseId{(std::uint64_t{9} << 40) + 1}, {"job"}, {{0, {0, 16}}}};
   EXPECT_TRUE(sync("liar", {invented}, 0).leases.empty());
@@ -190,7 +190,7 @@ TEST_F(Copies, AreNotMadeWhileThereIsFreeWork) {
   for (const WorkItem& item : second.items) EXPECT_THAT(first.items, testing::Not(testing::Contains(item)));
 }
 
-TEST_F(Copies, AreNotMadeForWhoHasSomethingToDo) {
+TEST_F(Copies, AreNotMadeForBusyWorkers) {
   submit("job", tiles(2, 1));
   const LeaseDescription mine = lease_to("a");
   lease_to("b");
@@ -227,7 +227,7 @@ TEST_F(Leases, OfWhichAnotherHasDeliveredAPartAreTakenBackInThatPartAtOnce) {
   EXPECT_FALSE(sync("slow", reply.leases).changed);
 }
 
-TEST_F(Copies, KeepARangeFromBeingFreeUntilBothHoldersAreGone) {
+TEST_F(Copies, KeepARangeLeasedWhileAHolderRemains) {
   submit("job", tiles(2, 1));
   const LeaseDescription a = lease_to("a"), b = lease_to("b");
   pass(seconds(5));
@@ -240,7 +240,7 @@ TEST_F(Copies, KeepARangeFromBeingFreeUntilBothHoldersAreGone) {
   EXPECT_EQ(lease_to("e").items, a.items);
 }
 
-TEST_F(Leases, SilentWorkersAreShownForAWhileThenForgotten) {
+TEST_F(Leases, LostWorkersAreListedForAWhile) {
   submit("job", tiles(100, 16));
   lease_to("w");
   pass(seconds(10));
@@ -264,7 +264,7 @@ TEST_F(Leases, SurviveAClockThatGoesBackwards) {
   EXPECT_EQ(scheduler_->next_deadline(), now_ + seconds(60));
 }
 
-TEST_F(Leases, AndWorkersAreGoneAfterAClockThatLeaps) {
+TEST_F(Leases, AndWorkersExpireAfterAClockJump) {
   submit("job", tiles(100, 16));
   const LeaseDescription lost = lease_to("w");
   pass(std::chrono::hours(24));

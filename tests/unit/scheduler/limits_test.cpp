@@ -76,7 +76,7 @@ TEST_F(Limits, ThatAreLoweredTakeNothingAwayButGiveNothingNewUntilFewerHold) {
   EXPECT_EQ(workers_of("job"), 2);
 }
 
-TEST_F(Limits, ThatAreRaisedOrLiftedWakeWhoWaits) {
+TEST_F(Limits, ThatAreRaisedOrLiftedNotifyIdleWaiters) {
   submit("job", tiles(100, 16), 0, 1);
   lease_to("a");
   for (const char* w : {"b", "c"}) ASSERT_FALSE(sync(w).changed);
@@ -87,7 +87,7 @@ TEST_F(Limits, ThatAreRaisedOrLiftedWakeWhoWaits) {
   EXPECT_TRUE(handle(TopUp{{"c"}}).reply->changed);
 }
 
-TEST_F(Limits, LetAWaitingWorkerTakeThePlaceOfOneThatIsDone) {
+TEST_F(Limits, GiveAFreedSlotToAnIdleWorker) {
   submit("job", tiles(100, 16), 0, 1);
   const LeaseDescription lease = lease_to("a");
   ASSERT_FALSE(sync("b").changed);
@@ -100,7 +100,7 @@ TEST_F(Limits, LetAWaitingWorkerTakeThePlaceOfOneThatIsDone) {
 }
 
 // Otherwise one worker would render both jobs, while the other has nothing to do.
-TEST_F(Limits, LetAnIdleWorkerTakeAPlaceBeforeOneThatHasOtherWork) {
+TEST_F(Limits, PreferIdleWorkersForASlot) {
   submit("first", tiles(1000, 16), 0, 1);
   submit("second", tiles(1000, 16), 0, 1);
   const Reply both = sync("busy", {}, 2);
@@ -114,7 +114,7 @@ TEST_F(Limits, LetAnIdleWorkerTakeAPlaceBeforeOneThatHasOtherWork) {
   for (const LeaseDescription& lease : busy.leases) EXPECT_EQ(lease.job, both.leases[1].job);
 }
 
-TEST_F(Limits, LetAWaitingWorkerTakeThePlaceOfADeadOne) {
+TEST_F(Limits, GiveTheSlotOfALostWorkerToAnIdleOne) {
   submit("job", tiles(100, 16), 0, 1);
   lease_to("dead");
   pass(seconds(5));
@@ -173,7 +173,7 @@ TEST_F(Limits, LeaveAPlaceThatAWorkerCannotUseToOneThatHasNotTried) {
   EXPECT_THAT(asked, ElementsAre("second", "third"));
 }
 
-TEST_F(Limits, GiveAPlaceBackToAWorkerThatCouldNotUseItIfNobodyElseIsFree) {
+TEST_F(Limits, ReturnASlotToItsWorkerIfNoOtherIsIdle) {
   submit("job", tiles(100, 16), 0, 1);
   const LeaseDescription lease = lease_to("only");
   handle(SubmitResult{{"only"}, lease.job, lease.id, {}, 0, true, "not enough memory"});

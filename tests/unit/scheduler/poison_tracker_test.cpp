@@ -160,7 +160,7 @@ TEST_F(Deaths, OfWorkersThatDeliverAfterAllWereNone) {
   EXPECT_EQ(state("job"), JobState::kRunning);
 }
 
-TEST_F(Deaths, OfWorkersThatMayNotHaveHeardOfTheirLeaseCountForNothing) {
+TEST_F(Deaths, BeforeALeaseIsAcknowledgedAreNoStrikes) {
   submit("job", tiles(100, 16));
   lease_to("a");
   pass(seconds(10));
@@ -185,7 +185,7 @@ TEST(JobTest, DoesNotFailWhileAnotherWorkerHoldsTheSamples) {
   EXPECT_TRUE(strike(5, "c"));
 }
 
-TEST(JobTest, CountsWhoIsStuckAgainstWhatIsMissing) {
+TEST(JobTest, CountsStuckWorkersAgainstMissingSamples) {
   Job job(1, {"job"}, tiles(4, 8), {}, JobState::kRunning, {});
   std::vector<Lease> ended;
   ASSERT_TRUE(job.accept({0, {0, 2}}, ended));
@@ -228,7 +228,7 @@ TEST_F(Deaths, AfterTwoTheSamplesAreLeasedOneByOne) {
   EXPECT_EQ(lease_to("c").items.at(0).samples.count(), 1u);
 }
 
-TEST_F(Deaths, AreNotConcludedFromASleepOfTheCoordinator) {
+TEST_F(Deaths, AreNotInferredFromASuspendedCoordinator) {
   submit("job", tiles(100, 16));
   const LeaseDescription lost = lease_to("a");
   sync("a", {lost});
@@ -237,7 +237,7 @@ TEST_F(Deaths, AreNotConcludedFromASleepOfTheCoordinator) {
   EXPECT_EQ(lease_to("b").items, lost.items);
 }
 
-TEST_F(Deaths, OfWorkersThatWereToldToStopCountForNothing) {
+TEST_F(Deaths, OfStoppedWorkersAreNoStrikes) {
   submit("job", tiles(100, 16));
   const LeaseDescription lease = lease_to("a");
   sync("a", {lease}, 1, true);

@@ -79,7 +79,7 @@ TEST_F(Refusals, ARefusalIsForgottenAfterTheLeaseTime) {
   EXPECT_EQ(lease_to("w").job, JobId{"bad"});
 }
 
-TEST_F(Refusals, NoTimeThatAWorkerTellsStarvesAJob) {
+TEST_F(Refusals, ReportedTimesDoNotStarveAJob) {
   submit("slandered", tiles(100, 32));
   submit("other", tiles(100, 32));
   for (const double time : {1e308, 1e300, 1e-300, 1e308}) {

@@ -63,7 +63,7 @@ TEST_F(Restart, TakesOverLeasesOfPausedJobsButNotOfFinishedOnes) {
   EXPECT_TRUE(sync("b", {of_cancelled}).leases.empty());
 }
 
-TEST_F(Restart, RendersALeaseThatWasTakenOverAgainIfItsWorkerDies) {
+TEST_F(Restart, RendersARecoveredLeaseAgainIfItsWorkerIsLost) {
   submit("job", tiles(100, 8));
   const LeaseDescription lease = lease_to("w");
   restart();

@@ -90,7 +90,7 @@ TEST_F(Results, AreDroppedIfAnyOfTheirSamplesIsThereAlready) {
   EXPECT_EQ(scheduler_->done({"job"}, 0), (IntervalSet{{2, 4}}));
 }
 
-TEST_F(Results, CountWhoeverSendsThemForALeaseFromBeforeARestart) {
+TEST_F(Results, CountForLeasesFromBeforeARestart) {
   submit("job", tiles(2, 4));
   EXPECT_THAT(deliver("stranger", {LeaseId{77}, {"job"}, {{1, {0, 4}}}}).verdicts, ElementsAre(kAccepted));
 }
@@ -103,7 +103,7 @@ TEST_F(Results, CountAfterTheLeaseRanOut) {
   EXPECT_THAT(deliver("hung", late).verdicts, ElementsAre(kAccepted));
 }
 
-TEST_F(Results, AreDroppedIfSomebodyElseWasQuicker) {
+TEST_F(Results, AreDroppedIfTheRangeIsComplete) {
   submit("job", tiles(2, 4));
   const LeaseDescription late = lease_to("hung");
   pass(seconds(60));
@@ -111,7 +111,7 @@ TEST_F(Results, AreDroppedIfSomebodyElseWasQuicker) {
   EXPECT_THAT(deliver("hung", late).verdicts, ElementsAre(kDropped));
 }
 
-TEST_F(Results, ThatNobodyAskedForAreNotRenderedAgain) {
+TEST_F(Results, ThatWereNotRequestedAreNotRenderedAgain) {
   submit("job", tiles(2, 4));
   deliver("stranger", {LeaseId{77}, {"job"}, {{0, {0, 4}}}});
   for (const WorkItem& item : render_all("w")) EXPECT_EQ(item.tile, 1);

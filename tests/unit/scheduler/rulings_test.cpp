@@ -17,7 +17,7 @@ struct WithoutAudits : AuditsOf {
   WithoutAudits() : AuditsOf(0) {}
 };
 
-TEST_F(Rulings, DisproveALiarBySentence) {
+TEST_F(Rulings, QuarantineAForgingWorkerBySentence) {
   submit("job", tiles(4, 1));
   const LeaseDescription lease = lease_to("liar");
   deliver_sums("liar", lease, wrong);
@@ -46,7 +46,7 @@ TEST_F(Rulings, DisproveALiarBySentence) {
   EXPECT_EQ(job("job").samples_done, job("job").samples_total);
 }
 
-TEST_F(Rulings, DisproveWhoContradictsTheTruth) {
+TEST_F(Rulings, QuarantineContradictingWorkers) {
   submit("job", tiles(2, 1));
   deliver_sums("a", lease_to("a"), honest);
   const LeaseDescription lie = lease_to("liar");
@@ -78,7 +78,7 @@ TEST_F(Rulings, NeedTwoThatAgree) {
   EXPECT_GE(worker("other liar").disproved_ranges, 1u);
 }
 
-TEST_F(WithoutAudits, WhatAWorkerThatIsPutAsideHasRenderedIsVerified) {
+TEST_F(WithoutAudits, SamplesOfAQuarantinedWorkerAreVerified) {
   submit("job", tiles(100, 2));
   const LeaseDescription lies = lease_to("liar");
   deliver_sums("liar", lies, wrong);

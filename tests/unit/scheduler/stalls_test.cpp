@@ -39,7 +39,7 @@ TEST_F(Stalls, ALeaseThatIsNeverReportedEndsAsWell) {
   EXPECT_EQ(job("job").active_workers, 0);
 }
 
-TEST_F(Stalls, WhoGivesLeasesBackAndTakesOthersIsNoBetter) {
+TEST_F(Stalls, ReturningLeasesIsNoProgress) {
   submit("job", tiles(100, 16));
   for (int i = 0; i < 10; ++i) {
     const LeaseDescription lease = lease_to("restless");
@@ -53,7 +53,7 @@ TEST_F(Stalls, WhoGivesLeasesBackAndTakesOthersIsNoBetter) {
   EXPECT_EQ(sync("other").leases.size(), 1u);
 }
 
-TEST_F(Stalls, WhoDeliversWhatIsThereAlreadyIsNoBetter) {
+TEST_F(Stalls, DuplicateResultsAreNoProgress) {
   submit("job", tiles(100, 16));
   const LeaseDescription first = lease_to("parrot");
   deliver("parrot", first);
@@ -77,7 +77,7 @@ TEST_F(Stalls, EveryFurtherOneBarsTheWorkerForTwiceAsLong) {
   }
 }
 
-TEST_F(Stalls, WhoNeverHadAnythingCountedIsBarredForNoLongerEachTime) {
+TEST_F(Stalls, TheCooldownOfWorkersWithoutResultsDoesNotGrow) {
   submit("job", tiles(100, 16));
   for (int i = 0; i < 3; ++i) {
     std::vector<LeaseDescription> held{lease_to("new")};
@@ -90,7 +90,7 @@ TEST_F(Stalls, WhoNeverHadAnythingCountedIsBarredForNoLongerEachTime) {
   }
 }
 
-TEST_F(Stalls, WhoFetchesTheSceneForLongLosesItsLeaseAndIsNotBarred) {
+TEST_F(Stalls, ALongFetchLosesTheLeaseWithoutCooldown) {
   submit("job", tiles(100, 16));
   std::vector<LeaseDescription> held{lease_to("far")};
   const LeaseDescription lease = held.front();
@@ -108,7 +108,7 @@ TEST_F(Stalls, WhoFetchesTheSceneForLongLosesItsLeaseAndIsNotBarred) {
   EXPECT_THAT(view("far").cooldowns, IsEmpty());
 }
 
-TEST_F(Stalls, WhoSaysAgainAndAgainThatItFetchesIsBarred) {
+TEST_F(Stalls, RepeatedFetchesLeadToACooldown) {
   submit("job", tiles(100, 16));
   fetching_ = {{"job"}};
   for (int i = 0; i < 2; ++i) {
@@ -120,7 +120,7 @@ TEST_F(Stalls, WhoSaysAgainAndAgainThatItFetchesIsBarred) {
   EXPECT_EQ(view("liar").cooldowns.at(0).remaining, seconds(100));
 }
 
-TEST_F(Stalls, FetchingOneSceneExcusesNobodyFromAnotherJob) {
+TEST_F(Stalls, FetchingASceneExemptsOnlyItsJob) {
   submit("job", tiles(100, 16));
   std::vector<LeaseDescription> held{lease_to("w")};
   fetching_ = {{"other"}};
@@ -151,7 +151,7 @@ TEST_F(Stalls, WhatComesAfterAllCountsAndEndsTheBar) {
 }
 
 // 4096 pixel samples in 200 s: the next lease is a single sample of a tile, for which it has 2000 s.
-TEST_F(Stalls, WhoIsKnownToBeSlowHasTime) {
+TEST_F(Stalls, SlowWorkersHaveALongerTimeout) {
   submit("job", tiles(100, 16));
   const LeaseDescription first = lease_to("slow");
   deliver("slow", first, {first.items[0]}, true, 200);
@@ -201,7 +201,7 @@ TEST_F(Stalls, OnlyTheHolderOfALeaseHasResultsOfIt) {
   EXPECT_THAT(held, IsEmpty());
 }
 
-TEST_F(Stalls, AGapBetweenLeasesIsNobodysFault) {
+TEST_F(Stalls, AGapBetweenLeasesIsNoStrike) {
   submit("job", tiles(2, 1));
   const LeaseDescription lease = lease_to("w");
   pass(seconds(5));
@@ -217,7 +217,7 @@ TEST_F(Stalls, AGapBetweenLeasesIsNobodysFault) {
 }
 
 // Progress by others, or a suspended coordinator, must not count against the worker.
-TEST_F(Stalls, ALeaseThatRanOutAndIsTakenUpAgainBeginsAnew) {
+TEST_F(Stalls, ARenewedLeaseRestartsItsTimer) {
   submit("job", tiles(100, 16));
   std::vector<LeaseDescription> held{lease_to("w")};
   keep_reporting("w", held, seconds(95));

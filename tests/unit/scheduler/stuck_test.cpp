@@ -13,7 +13,7 @@ using testing::IsEmpty;
 
 class StuckWorkers : public StalledFarm {};
 
-TEST_F(StuckWorkers, WhoSaysThatItStillRendersWhatOthersHaveIsGivenNothing) {
+TEST_F(StuckWorkers, GetNoLeasesWhileTheyRenderRevokedOnes) {
   submit("job", tiles(100, 16), 1);
   std::vector<LeaseDescription> held{lease_to("stuck")};
   submit("other", tiles(100, 16));
@@ -84,7 +84,7 @@ TEST_F(StuckWorkers, AMachineThatIsBrokenCountsOnceUntilItDelivers) {
   EXPECT_EQ(state("first"), JobState::kRunning);
 }
 
-TEST_F(StuckWorkers, WhoWasOnlySlowIsTakenBack) {
+TEST_F(StuckWorkers, SlowWorkersAreReadmitted) {
   submit("job", tiles(4, 8));
   for (const char* name : {"a", "b", "c"}) show(name);
   lose("a");
@@ -108,7 +108,7 @@ TEST_F(StuckWorkers, AnHourAtOneRangeCountsAgainstItInAnyCase) {
   EXPECT_EQ(state("job"), JobState::kFailed);
 }
 
-TEST_F(StuckWorkers, AStuckWorkerDoesNotKeepAJobThatNobodyCanBuildAlive) {
+TEST_F(StuckWorkers, AStuckWorkerDoesNotKeepAnUnbuildableJobRunning) {
   submit("job", tiles(100, 8));
   std::vector<LeaseDescription> held{lease_to("stuck")};
   const auto refuse = [&] {
@@ -156,7 +156,7 @@ TEST_F(StuckWorkers, CountAgainstThePartOfAnItemThatTheyAreAt) {
   EXPECT_THAT(lease_to("other").items, ElementsAre(part));
 }
 
-TEST_F(StuckWorkers, WhoGoesFromItemToItemIsStuckInNone) {
+TEST_F(StuckWorkers, ChangingItemsIsProgress) {
   submit("job", tiles(100, 16));
   show("slow");
   std::vector<LeaseDescription> held{lease_to("slow")};
@@ -167,7 +167,7 @@ TEST_F(StuckWorkers, WhoGoesFromItemToItemIsStuckInNone) {
   EXPECT_GT(lease_to("other").items.size(), 1u) << "at neither for ten lease times";
 }
 
-TEST_F(StuckWorkers, WhoGoesOnToTheNextItemWasOnlySlow) {
+TEST_F(StuckWorkers, ReachingTheNextItemClearsTheStuckState) {
   submit("job", tiles(100, 16));
   show("slow");
   std::vector<LeaseDescription> held{lease_to("slow")};
@@ -242,7 +242,7 @@ TEST_F(StuckWorkers, WhatTheCoordinatorDoesNotKnowOfCountsAgainstNothing) {
   EXPECT_GT(lease_to("b").items.size(), 1u);
 }
 
-TEST_F(StuckWorkers, HoldNothingWhileTheyAreInAJobThatIsGone) {
+TEST_F(StuckWorkers, HoldNothingInADeletedJob) {
   submit("job", tiles(100, 16), 1);
   submit("other", tiles(100, 16));
   std::vector<LeaseDescription> held{lease_to("a")};

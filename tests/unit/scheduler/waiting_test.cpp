@@ -68,7 +68,7 @@ TEST_F(Waiting, EndsWhenTheWorkerHasDeliveredALease) {
   EXPECT_TRUE(top_up("w").changed);
 }
 
-TEST_F(Waiting, EndsFirstForWhoCameFirst) {
+TEST_F(Waiting, EndsInOrderOfArrival) {
   for (const char* worker : {"z", "m", "a"}) sync(worker);
   const Actions actions = handle(SubmitJob{{"job"}, tiles(100, 16), 0});
   EXPECT_THAT(actions.wake, testing::ElementsAre(WorkerId{"z"}, WorkerId{"m"}, WorkerId{"a"}));
@@ -88,7 +88,7 @@ TEST_F(Waiting, IsNoSignOfLife) {
   EXPECT_EQ(job("job").active_workers, 0);
 }
 
-TEST_F(Waiting, DoesNotWakeWhoHasNoRoom) {
+TEST_F(Waiting, DoesNotNotifyFullWorkers) {
   submit("job", tiles(100, 4));
   const LeaseDescription lease = lease_to("full");
   sync("full", {lease}, 1);
@@ -96,19 +96,19 @@ TEST_F(Waiting, DoesNotWakeWhoHasNoRoom) {
   EXPECT_THAT(handle(SubmitJob{{"next"}, tiles(2, 4), 0}).wake, IsEmpty());
 }
 
-TEST_F(Waiting, DoesNotWakeWhoHadRoomInAnEarlierCall) {
+TEST_F(Waiting, DoesNotNotifySupersededCalls) {
   sync("w", {}, 1);
   sync("w", {}, 0);
   EXPECT_THAT(handle(SubmitJob{{"job"}, tiles(2, 4), 0}).wake, IsEmpty());
 }
 
-TEST_F(Waiting, WakesNobodyTwiceForOneCall) {
+TEST_F(Waiting, NotifiesEachCallOnce) {
   sync("w");
   EXPECT_EQ(handle(SubmitJob{{"a"}, tiles(2, 4), 0}).wake.size(), 1u);
   EXPECT_THAT(handle(SubmitJob{{"b"}, tiles(2, 4), 0}).wake, IsEmpty());
 }
 
-TEST_F(Waiting, CannotBeToppedUpForAWorkerThatIsGone) {
+TEST_F(Waiting, IsNotExtendedForALostWorker) {
   EXPECT_EQ(handle(TopUp{{"nobody"}}).status.error().code, core::ErrorCode::kNotFound);
   submit("job", tiles(100, 4));
   sync("w", {}, 0);

@@ -120,7 +120,7 @@ TEST(WorkList, OffersTheRestOfAShortPassAfterItIsExtended) {
   EXPECT_EQ(farm.drain(), (std::vector<WorkItem>{{0, {6, 8}}, {1, {6, 8}}, {0, {8, 12}}, {1, {8, 12}}}));
 }
 
-TEST(WorkList, IsLeftAsItIsByWhoWalksThroughIt) {
+TEST(WorkList, IsUnchangedByIteration) {
   Farm farm(2, 8);
   for (int i = 0; i < 6; ++i) farm.take(1);
   farm.put_back({1, {0, 1}});

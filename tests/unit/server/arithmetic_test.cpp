@@ -36,7 +36,7 @@ TEST_F(ArithmeticOf, AWorkerThatComputesOtherBitsIsRefusedByBothFingerprints) {
 }
 
 // The first worker does not determine the fingerprint.
-TEST_F(ArithmeticOf, AFarmIsThatOfItsCoordinatorWhoeverComesFirst) {
+TEST_F(ArithmeticOf, AFarmIsThatOfItsCoordinator) {
   submit();
   v1::SynchronizeRequest stranger = greeting('b');
   stranger.set_determinism_fingerprint("beef");

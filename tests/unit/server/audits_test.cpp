@@ -59,29 +59,29 @@ class Audits : public ScriptedFarm {
     }
     return {};
   }
-  void expect_local_picture(const std::string& id) {
+  void expect_local_image(const std::string& id) {
     EXPECT_TRUE(coordinator().images().get(id)->image.pixels ==
-                ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+                ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
     EXPECT_EQ(job(id).counters().samples(), kSamples);
   }
 };
 
-TEST_F(Audits, OfAnHonestFarmLeaveItsPictureAsItIs) {
+TEST_F(Audits, WithoutForgedResultsLeaveTheImageUnchanged) {
   const std::string id = submit();
   render('a');
   EXPECT_GT(job(id).samples_to_verify(), 0u);
   render_together("ab", id);
-  expect_local_picture(id);
+  expect_local_image(id);
   EXPECT_EQ(job(id).samples_to_verify(), 0u);
   EXPECT_GT(worker('a').audited_ranges(), 0u);
   EXPECT_EQ(worker('a').disproved_ranges(), 0u);
 }
 
-TEST_F(Audits, PutALiarAsideAndRenderItsTileAgain) {
+TEST_F(Audits, QuarantineAForgingWorkerAndRenderItsTileAgain) {
   const std::string id = submit();
   ASSERT_TRUE(render('a', true));
   render_together("bc", id);
-  expect_local_picture(id);
+  expect_local_image(id);
   const auto liar = worker('a');
   EXPECT_TRUE(liar.quarantined());
   EXPECT_EQ(liar.disproved_ranges(), 1u);
@@ -112,7 +112,7 @@ TEST_F(Audits, GoOnAfterARestart) {
   open();
   EXPECT_GT(job(id).samples_to_verify(), 0u);
   render_together("bc", id);
-  expect_local_picture(id);
+  expect_local_image(id);
   EXPECT_EQ(coordinator().dispatcher().workers()[0].quarantined(), false);
 }
 
@@ -145,14 +145,14 @@ class WithoutAudits : public Audits {
   }
 };
 
-TEST_F(WithoutAudits, WhatAWorkerRenderedBeforeItWasPutAsideIsVerified) {
+TEST_F(WithoutAudits, SamplesFromBeforeAQuarantineAreVerified) {
   const std::string id = submit();
   ASSERT_TRUE(render('a', true));
   EXPECT_EQ(job(id).samples_to_verify(), 0u);
   quarantined('a');
   EXPECT_GT(job(id).samples_to_verify(), 0u);
   render_together("bc", id);
-  expect_local_picture(id);
+  expect_local_image(id);
 }
 
 TEST_F(WithoutAudits, ADoneJobRunsAgainWhetherItsFilmIsStoredOrNot) {
@@ -162,7 +162,7 @@ TEST_F(WithoutAudits, ADoneJobRunsAgainWhetherItsFilmIsStoredOrNot) {
     ASSERT_TRUE(render(liar, true));
     render_together("bc", id);
     EXPECT_FALSE(coordinator().images().get(id)->image.pixels ==
-                 ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+                 ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
     if (stored) {
       ASSERT_TRUE(coordinator().checkpointer().checkpoint());
     }
@@ -171,9 +171,9 @@ TEST_F(WithoutAudits, ADoneJobRunsAgainWhetherItsFilmIsStoredOrNot) {
     EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
     EXPECT_FALSE(job(id).has_finished_at());
     render_together("bc", id);
-    expect_local_picture(id);
+    expect_local_image(id);
     ASSERT_TRUE(coordinator().checkpointer().checkpoint());
-    expect_local_picture(id);
+    expect_local_image(id);
   }
 }
 
@@ -186,7 +186,7 @@ TEST_F(WithoutAudits, WhatIsToBeVerifiedIsKnownAfterARestart) {
   open();
   EXPECT_GT(job(id).samples_to_verify(), 0u);
   render_together("bc", id);
-  expect_local_picture(id);
+  expect_local_image(id);
 }
 
 // As after a salvage, when old fingerprints cannot be compared with new ones.
@@ -206,7 +206,7 @@ TEST_F(WithoutAudits, WhatWasToBeVerifiedIsRenderedAgainWhereTheSecretIsLost) {
   EXPECT_EQ(job(id).samples_to_verify(), 0u);
   EXPECT_EQ(job(id).samples_done(), 0u);
   render_together("bc", id);
-  expect_local_picture(id);
+  expect_local_image(id);
 }
 
 core::FilmTile some_tile(core::SampleRange range) {

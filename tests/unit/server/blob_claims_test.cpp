@@ -71,7 +71,7 @@ TEST_F(BlobClaimsTest, WhatIsAbandonedIsNotKeptByOtherSubmissions) {
   EXPECT_TRUE(claims_.is_needed(c_));
 }
 
-TEST_F(BlobClaimsTest, AnUploadThatNobodyAnnouncedHasAClaimOfItsOwn) {
+TEST_F(BlobClaimsTest, AnUnannouncedUploadHasItsOwnClaim) {
   EXPECT_TRUE(claims_.use("ada", a_));
   now_ += 14min;
   EXPECT_TRUE(claims_.is_needed(a_));
@@ -104,7 +104,7 @@ TEST_F(BlobClaimsTest, TheSameFilesAskedForAgainCountOnce) {
   EXPECT_EQ(claims_.claimed_by("ada"), blobs::BlobClaims::kMinFiles);
 }
 
-TEST_F(BlobClaimsTest, NobodyClaimsAllThatCanBe) {
+TEST_F(BlobClaimsTest, NoOwnerClaimsAllOfTheQuota) {
   constexpr std::uint64_t kFew = 4000;
   blobs::BlobClaims claims([this] { return now_; }, kFew);
   std::vector<proto::Digest> files(kFew / 4 + 1);

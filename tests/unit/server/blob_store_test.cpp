@@ -135,7 +135,7 @@ bool is_kept(const std::weak_ptr<int>& charge) {
   return !charge.expired();
 }
 
-TEST_F(BlobStoreTest, KeepsAChargeFromTheFirstByteUntilTheFileIsGone) {
+TEST_F(BlobStoreTest, KeepsAChargeFromTheFirstByteToTheDeletion) {
   auto charge = std::make_shared<int>();
   const std::weak_ptr<int> kept = charge;
   {

@@ -23,7 +23,7 @@ class CallRateTest : public testing::Test {
   auth::CallRate rate_{2, [this] { return now_; }};
 };
 
-TEST_F(CallRateTest, WhoWasQuietMayCallOftenAtOnce) {
+TEST_F(CallRateTest, AnIdleCallerMayBurst) {
   EXPECT_EQ(burst("a"), 2 * server::kBurstSeconds);
 }
 
@@ -51,7 +51,7 @@ TEST_F(CallRateTest, CallersDoNotCountForEachOther) {
   EXPECT_EQ(burst("b"), 2 * server::kBurstSeconds);
 }
 
-TEST_F(CallRateTest, ManyCallersAreForgottenButThoseWhoCallTooOften) {
+TEST_F(CallRateTest, ForgetsManyCallersExceptThrottledOnes) {
   burst("a");
   for (int i = 0; i < 100'000; ++i) {
     now_ += 1ms;

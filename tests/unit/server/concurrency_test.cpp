@@ -66,7 +66,7 @@ TEST_F(Concurrency, NothingIsLostOrCountedTwice) {
   coordinator().close();
   for (std::thread& thread : threads) thread.join();
 
-  const core::Image expected = ready_made_picture(kWidthPx, kHeightPx, kExtendedSpp);
+  const core::Image expected = ready_made_image(kWidthPx, kHeightPx, kExtendedSpp);
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   open();
   for (const std::string& id : jobs) {

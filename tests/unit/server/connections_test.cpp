@@ -313,7 +313,7 @@ class PlainConnections : public Connections {};
 INSTANTIATE_TEST_SUITE_P(, PlainConnections, testing::Values(false), [](const auto&) { return "Plain"; });
 
 // Like a machine without power, or a stopped process, between two calls.
-TEST_P(PlainConnections, WhoAnswersNoPingsAreClosed) {
+TEST_P(PlainConnections, AreClosedWithoutPingResponses) {
   start({.connections = 1}, {.ping_period = 1s, .answer = 2s});
   const base::Fd stopped = connect_to(port());
   const std::string preface("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0", 24 + 9);  // RFC 9113, 3.4

@@ -60,7 +60,7 @@ TEST_F(FairQueueTest, ALargeAmountIsNotOvertakenBySmallOnes) {
   EXPECT_EQ(order_, (Names{"a1", "large", "b2", "b3", "b4"}));
 }
 
-TEST_F(FairQueueTest, WhoHasSomethingHoldsUpNobody) {
+TEST_F(FairQueueTest, AHolderDoesNotBlockOthers) {
   EXPECT_TRUE(wait("a1", 60));
   EXPECT_TRUE(wait("a2", 60));
   EXPECT_TRUE(wait("b1", 20));
@@ -77,7 +77,7 @@ TEST_F(FairQueueTest, MoreThanThereIsWaitsForAll) {
   EXPECT_EQ(order_, (Names{"a1", "b1"}));
 }
 
-TEST_F(FairQueueTest, WhoLeavesHoldsUpNobodyAndIsGrantedNothing) {
+TEST_F(FairQueueTest, ACancelledWaiterIsNotServedAndDoesNotBlock) {
   EXPECT_TRUE(wait("a1", 10));
   EXPECT_TRUE(wait("large", 95));
   EXPECT_TRUE(wait("b1", 10));
@@ -87,7 +87,7 @@ TEST_F(FairQueueTest, WhoLeavesHoldsUpNobodyAndIsGrantedNothing) {
   EXPECT_FALSE(leave("a1")) << "it has been granted";
 }
 
-TEST_F(FairQueueTest, NobodyFillsTheQueue) {
+TEST_F(FairQueueTest, NoClientFillsTheQueue) {
   EXPECT_TRUE(wait("x", 100));
   for (int i = 0; i < 4; ++i) EXPECT_TRUE(wait("a" + std::to_string(i), 10));
   EXPECT_FALSE(wait("a4", 10));

@@ -32,7 +32,7 @@ TEST(FairShare, OneCallerAloneHasHalf) {
   EXPECT_EQ(share.held_by("a"), 32u);
 }
 
-TEST(FairShare, ThereIsSomethingLeftForWhoHasNothing) {
+TEST(FairShare, AShareIsReservedForNewClients) {
   base::FairShare share(64);
   Taken taken;
   for (int caller = 0; caller < 6; ++caller) {
@@ -51,7 +51,7 @@ TEST(FairShare, WhatIsGivenBackCanBeTakenAgain) {
   EXPECT_EQ(take_all(share, "b", taken), 4);
 }
 
-TEST(FairShare, WhoIsAloneGetsAnyAmountOnce) {
+TEST(FairShare, ASingleClientGetsAnyAmountOnce) {
   base::FairShare share(10);
   const auto large = share.take("a", 25);
   EXPECT_TRUE(large);
@@ -117,7 +117,7 @@ TEST_F(FairPoolTest, CallersTakeTurns) {
   EXPECT_EQ(wait_for(7), (std::vector<std::string>{"a1", "b1", "c1", "a2", "b2", "a3", "a4"}));
 }
 
-TEST_F(FairPoolTest, NobodyFillsTheQueue) {
+TEST_F(FairPoolTest, NoClientFillsTheQueue) {
   for (int i = 0; i < 4; ++i) EXPECT_TRUE(post("a", "a"));
   EXPECT_FALSE(post("a", "a"));
   EXPECT_EQ(pool_.waiting_of("a"), 4u);
@@ -129,7 +129,7 @@ TEST_F(FairPoolTest, NobodyFillsTheQueue) {
   wait_for(6);
 }
 
-TEST_F(FairPoolTest, RunsWhatWaitsToItsEndAndTellsThatThereIsNoTime) {
+TEST_F(FairPoolTest, RunsQueuedTasksAndReportsTimeouts) {
   EXPECT_TRUE(post("a", "a"));
   EXPECT_FALSE(pool_.is_closed());
   pool_.close();

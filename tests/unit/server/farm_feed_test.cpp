@@ -156,7 +156,7 @@ TEST_F(FarmFeed, NamesAQuarantinedWorker) {
   EXPECT_TRUE(follower_.workers[std::string(32, 'a')].quarantined());
 }
 
-TEST_F(FarmFeed, StartsAnewAfterARestart) {
+TEST_F(FarmFeed, RestartsAfterARestart) {
   const std::string kept = submit(), deleted = submit();
   work('a', 1);
   expect_current();
@@ -176,7 +176,7 @@ TEST_F(FarmFeed, IsReadInParts) {
   EXPECT_EQ(follower_.catch_up(), 0);
 }
 
-TEST_F(FarmFeed, MakesAMessageOnceForAllWhoKeepUp) {
+TEST_F(FarmFeed, EncodesAMessageOnceForAllSubscribers) {
   submit();
   Follower other(coordinator().farm_feed());
   follower_.catch_up();

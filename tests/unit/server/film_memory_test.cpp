@@ -93,7 +93,7 @@ TEST_F(FilmMemory, ImagesAreTheSameBytesAtAnyMoment) {
   }
   EXPECT_GT(refused_, 0) << "the film fits into memory, and the test shows nothing";
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
-  EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(pixels(id), ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 // Such as while the disk is full.
@@ -124,7 +124,7 @@ TEST_F(FilmMemory, WorkersKeepTheirLeasesHoweverLongResultsHaveToWait) {
   core::Film unused = empty_film();
   while (deliver_next(unused)) {
   }
-  EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(pixels(id), ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(FilmMemory, IsGivenBackWhenJobsEnd) {
@@ -152,7 +152,7 @@ TEST_F(FilmMemory, ARestartContinuesWhatDoesNotFitIntoMemory) {
   while (deliver_next(expected)) {
   }
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
-  EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(pixels(id), ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(FilmMemory, ADoneJobIsExtendedWithoutItsFilmInMemory) {
@@ -166,7 +166,7 @@ TEST_F(FilmMemory, ADoneJobIsExtendedWithoutItsFilmInMemory) {
   while (deliver_next(expected)) {
   }
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
-  EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, 2 * kSpp).pixels);
+  EXPECT_EQ(pixels(id), ready_made_image(kWidthPx, kHeightPx, 2 * kSpp).pixels);
 }
 
 TEST_F(FilmMemory, ATileThatTheStoreHasLostIsRenderedAgain) {
@@ -177,7 +177,7 @@ TEST_F(FilmMemory, ATileThatTheStoreHasLostIsRenderedAgain) {
   execute("UPDATE tiles SET content = X'00'");
   while (deliver_next(expected)) ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
-  EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(pixels(id), ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(FilmMemory, ACancelledJobKeepsWhatTheStoreHasNotLost) {
@@ -222,7 +222,7 @@ TEST_F(FilmMemory, ACheckpointThatFailsLosesNothing) {
     ASSERT_EQ(pixels(id), expected.develop().pixels) << "lease " << lease;
   }
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
-  EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(pixels(id), ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(FilmMemory, AnImageIsWholeWhileItsTilesComeAndGo) {
@@ -241,7 +241,7 @@ TEST_F(FilmMemory, AnImageIsWholeWhileItsTilesComeAndGo) {
   reader.join();
   writer.join();
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
-  EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(pixels(id), ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(FilmMemory, AJobWhoseTilesAloneExceedItIsRefused) {

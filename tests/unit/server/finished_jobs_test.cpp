@@ -45,11 +45,11 @@ class FinishedJobs : public ScriptedFarm {
   void expect_whole_image(const std::string& id, std::uint32_t spp = kSpp) {
     const auto image = coordinator().images().get(id);
     ASSERT_TRUE(image) << image.error().message;
-    EXPECT_TRUE(image->image.pixels == ready_made_picture(kWidthPx, kHeightPx, spp).pixels);
+    EXPECT_TRUE(image->image.pixels == ready_made_image(kWidthPx, kHeightPx, spp).pixels);
   }
 };
 
-TEST_F(FinishedJobs, AreToldAsBeforeTheyLeftTheMemory) {
+TEST_F(FinishedJobs, AreReadAsBeforeEviction) {
   v1::SubmitJobRequest request = submission();
   request.set_name("a name");
   request.set_priority(3);
@@ -196,8 +196,12 @@ TEST_F(FinishedJobs, ThatMoveBetweenPagesAreNeitherHiddenNorRepeated) {
     for (const v1::Job& job : listed->jobs()) found.push_back(job.id());
     request.set_page_token(listed->next_page_token());
     if (page == 0) work('a');
-    if (page == 0) EXPECT_TRUE(coordinator().checkpointer().checkpoint());
-    if (page == 1) EXPECT_TRUE(coordinator().jobs().extend(ids[4], 99));
+    if (page == 0) {
+      EXPECT_TRUE(coordinator().checkpointer().checkpoint());
+    }
+    if (page == 1) {
+      EXPECT_TRUE(coordinator().jobs().extend(ids[4], 99));
+    }
     submit();
   }
   EXPECT_EQ(found, ids);
@@ -226,6 +230,29 @@ TEST_F(FinishedJobs, AreFilteredByOwnerStateAndTime) {
   request = {};
   request.add_states(static_cast<v1::JobState>(77));
   EXPECT_EQ(coordinator().jobs().list(request).error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST_F(FinishedJobs, AreNotListedAmongQueuedOnes) {
+  finish();
+  now_ += std::chrono::seconds(20);
+  coordinator().dispatcher().tick();  // the call of the worker waits no longer
+  const std::string first = submit(), second = submit(), paused = submit();
+  ASSERT_TRUE(coordinator().jobs().pause(paused));
+  v1::ListJobsRequest queued;
+  queued.set_queued(true);
+  EXPECT_THAT(listed_ids(queued), ElementsAre(second, first)) << "nobody works on them";
+  const WaitingCall working(coordinator(), greeting('b'));
+  ASSERT_TRUE(working.answered() && working.answer());
+  const bool works_on_first = working.answer()->leases(0).job_id() == first;
+  EXPECT_THAT(listed_ids(queued), ElementsAre(works_on_first ? second : first));
+  queued.add_states(v1::JOB_STATE_PAUSED);
+  queued.add_states(v1::JOB_STATE_DONE);
+  EXPECT_EQ(listed_ids(queued).size(), 3u) << "or in one of these states";
+  queued.set_page_size(1);
+  EXPECT_EQ(ids_of_pages(queued).size(), 3u);
+  v1::ListJobsRequest running;
+  running.add_states(v1::JOB_STATE_RUNNING);
+  EXPECT_THAT(listed_ids(running), ElementsAre(second, first)) << "queued jobs run, too";
 }
 
 TEST_F(FinishedJobs, TheOldestAreRetired) {

@@ -8,6 +8,7 @@
 
 #include <string>
 
+#include "server/base/wall_clock.hpp"
 #include "tests/unit/server/scripted_farm.hpp"
 
 namespace tessera::server {
@@ -65,6 +66,11 @@ class FleetTest : public ScriptedFarm {
     for (const v1::Worker& each : coordinator().dispatcher().workers())
       if (each.id() == std::string(32, id)) return each;
     return {};
+  }
+  std::vector<std::string> listed_names(const v1::ListWorkersRequest& request) {
+    const auto page = coordinator().dispatcher().list_workers(request);
+    EXPECT_TRUE(page) << page.error().message;
+    return page ? names(*page) : std::vector<std::string>();
   }
   std::vector<std::string> names(const v1::ListWorkersResponse& page) {
     std::vector<std::string> names;
@@ -185,7 +191,7 @@ TEST_F(FleetTest, ADrainedWorkerFinishesItsLeasesAndGetsNoMore) {
   EXPECT_FALSE(worker('a').drain_requested());
 }
 
-TEST_F(FleetTest, AStoppedWorkerIsToldAtOnceAndAgain) {
+TEST_F(FleetTest, AStopIsSentAtOnceAndAgain) {
   const v1::Lease lease = synchronize(greeting('a')).leases(0);
   const v1::SynchronizeRequest holding = greeting_with(lease);
   const WaitingCall waiting(coordinator(), holding);
@@ -220,7 +226,7 @@ TEST_F(FleetTest, ADrainSurvivesRestartsUntilItIsUndone) {
   EXPECT_EQ(synchronize(greeting('a')).leases_size(), 1);
 }
 
-TEST_F(FleetTest, AStoppedWorkerIsToldAfterARestartAsWell) {
+TEST_F(FleetTest, AStopIsSentAgainAfterARestart) {
   synchronize(greeting('a'));
   ASSERT_TRUE(drain("host-a", false, true));
   open();
@@ -273,6 +279,60 @@ TEST_F(FleetTest, WorkersAreListedByPrefix) {
   EXPECT_THAT(names(*coordinator().dispatcher().list_workers(request)), testing::ElementsAre("host-b"));
   request.set_prefix("cccc");
   EXPECT_THAT(names(*coordinator().dispatcher().list_workers(request)), testing::ElementsAre("host-c"));
+}
+
+TEST_F(FleetTest, WorkersAreListedByState) {
+  submit();
+  submit();
+  quarantine('a', 'm');
+  synchronize(greeting('b'));
+  ASSERT_TRUE(drain("host-b"));
+  synchronize(greeting('c'));
+  const auto in = [&](std::initializer_list<v1::WorkerState> states) {
+    v1::ListWorkersRequest request;
+    request.set_page_size(1000);
+    for (const v1::WorkerState state : states) request.add_states(state);
+    return listed_names(request);
+  };
+  EXPECT_THAT(in({v1::WORKER_STATE_QUARANTINED}), testing::ElementsAre("host-a"));
+  EXPECT_THAT(in({v1::WORKER_STATE_DRAINING}), testing::ElementsAre("host-b"));
+  EXPECT_THAT(in({v1::WORKER_STATE_WORKING, v1::WORKER_STATE_DRAINING}),
+              testing::ElementsAre("host-b", "host-c"));
+  EXPECT_THAT(in({v1::WORKER_STATE_IDLE}), testing::IsEmpty());
+  EXPECT_THAT(in({}), testing::SizeIs(3));
+  v1::ListWorkersRequest unknown;
+  unknown.add_states(static_cast<v1::WorkerState>(77));
+  EXPECT_EQ(coordinator().dispatcher().list_workers(unknown).error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST_F(FleetTest, FilteredWorkersHavePages) {
+  for (const char worker : {'a', 'b', 'c', 'd', 'e'})
+    WaitingCall(coordinator(), greeting(worker), worker < 'd' ? kAda : kBen);
+  v1::ListWorkersRequest request;
+  request.set_principal("ada");
+  request.set_page_size(2);
+  const auto first = coordinator().dispatcher().list_workers(request);
+  EXPECT_THAT(names(*first), testing::ElementsAre("host-a", "host-b"));
+  request.set_page_token(first->next_page_token());
+  const auto second = coordinator().dispatcher().list_workers(request);
+  EXPECT_THAT(names(*second), testing::ElementsAre("host-c"));
+  EXPECT_EQ(second->next_page_token(), "") << "the others are not Ada's";
+  request = {};
+  request.set_principal("");
+  EXPECT_THAT(listed_names(request), testing::IsEmpty()) << "all have a principal";
+}
+
+TEST_F(FleetTest, WorkersAreListedByWhenTheyWereLastSeen) {
+  WaitingCall(coordinator(), greeting('a'));
+  now_ += std::chrono::seconds(8);
+  WaitingCall(coordinator(), greeting('b'));
+  google::protobuf::Timestamp between;
+  between.set_seconds(base::wall_clock_ms() / 1000 - 4);
+  v1::ListWorkersRequest recent, earlier;
+  *recent.mutable_seen_from() = between;
+  EXPECT_THAT(listed_names(recent), testing::ElementsAre("host-b"));
+  *earlier.mutable_seen_before() = between;
+  EXPECT_THAT(listed_names(earlier), testing::ElementsAre("host-a"));
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ TEST_F(HttpAccess, OfASessionEndsWithItsToken) {
   EXPECT_EQ(get("/api/v1/jobs", as_ben).status, 200);
 }
 
-TEST_F(HttpAccess, IsSlowForThoseWhoGuess) {
+TEST_F(HttpAccess, ThrottlesFailedLogins) {
   start_page_with_names();
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < 22; ++i)
@@ -184,6 +184,25 @@ TEST(HttpSessions, AreBounded) {
   EXPECT_EQ(sessions.count(), 1u);
   sessions.close(last);
   EXPECT_EQ(sessions.count(), 0u);
+}
+
+TEST(HttpActivity, KeepsTheLastHours) {
+  ActivityLog log;
+  for (std::uint64_t i = 0; i < ActivityLog::kKept + 5; ++i) log.add({.busy_workers = i});
+  const std::vector<ActivitySample> samples = log.samples();
+  ASSERT_EQ(samples.size(), 1080u);
+  EXPECT_EQ(samples.front().busy_workers, 5u);
+  EXPECT_EQ(samples.back().busy_workers, ActivityLog::kKept + 4);
+}
+
+TEST(HttpActivity, CountsWorkersThatHoldLeasesAndJobsThatRun) {
+  farm::Totals totals;
+  totals.scheduler.samples_per_second = 3.5;
+  totals.scheduler.workers[static_cast<std::size_t>(scheduler::WorkerActivity::kBusy)] = 2;
+  totals.scheduler.workers[static_cast<std::size_t>(scheduler::WorkerActivity::kIdle)] = 4;
+  totals.scheduler.jobs[static_cast<std::size_t>(scheduler::JobState::kRunning)] = 5;
+  totals.scheduler.jobs[static_cast<std::size_t>(scheduler::JobState::kPaused)] = 6;
+  EXPECT_EQ(activity_of(totals), (ActivitySample{3.5, 2, 5}));
 }
 
 }  // namespace

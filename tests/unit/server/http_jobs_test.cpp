@@ -56,6 +56,17 @@ TEST_F(HttpJobs, AreSubmittedWithTheirFiles) {
   EXPECT_EQ(get("/api/v1/jobs").json()["jobs"].size(), 1u);
 }
 
+TEST_F(HttpJobs, AreCountedInTheActivity) {
+  start_page();
+  submit_page();
+  page_.reset();
+  open_page();  // takes the first sample
+  const nlohmann::json activity = get("/api/v1/activity").json();
+  EXPECT_EQ(activity["period_seconds"], 10);
+  ASSERT_GE(activity["samples"].size(), 1u);
+  EXPECT_EQ(activity["samples"][0], nlohmann::json({0, 0, 1}));
+}
+
 TEST_F(HttpJobs, KeepTheirSettings) {
   start_page();
   const std::string id =
@@ -160,7 +171,7 @@ TEST_F(HttpJobs, HaveImages) {
   const std::string path = "/api/v1/jobs/" + id;
   while (work_once()) {
   }
-  const core::Image expected = server::ready_made_picture(server::kWidthPx, server::kHeightPx, server::kSpp);
+  const core::Image expected = server::ready_made_image(server::kWidthPx, server::kHeightPx, server::kSpp);
   for (const bool is_stored : {false, true}) {
     if (is_stored)
       while (job(id)["state"] != "done") std::this_thread::yield();
@@ -205,7 +216,7 @@ TEST_F(HttpJobs, HaveSeveralImages) {
     if (is_stored)
       while (job(id)["state"] != "done") std::this_thread::yield();
     for (const std::uint32_t image : {0U, 1U, 2U}) {
-      const core::Image expected = server::ready_made_picture(window, server::kSpp, image);
+      const core::Image expected = server::ready_made_image(window, server::kSpp, image);
       const std::string parameter = "image=" + std::to_string(image);
       EXPECT_TRUE(get(path + "/image?format=pfm&" + parameter).body ==
                   *core::encode_image(expected, core::ImageFormat::kPfm))
@@ -250,7 +261,7 @@ TEST_F(HttpJobs, HaveMapsOfEachImage) {
   EXPECT_GT(shown[0], 0);
 }
 
-TEST_F(HttpJobs, HaveMapsOfWhoRenders) {
+TEST_F(HttpJobs, HaveMapsOfRenderingWorkers) {
   start_page();
   const std::string id = submit_page();
   const v1::Lease lease = take_lease();
@@ -277,6 +288,37 @@ TEST_F(HttpJobs, ListWorkersAndDrainThem) {
   EXPECT_EQ(call("POST", "/api/v1/workers/none/drain").status, 404);
   EXPECT_EQ(get("/api/v1/quarantine").json()["entries"], nlohmann::json::array());
   EXPECT_EQ(call("DELETE", "/api/v1/quarantine/none").status, 404);
+}
+
+TEST_F(HttpJobs, AreFilteredByWhatTheTableShows) {
+  start_page();
+  submit_page();
+  submit_page();
+  EXPECT_EQ(get("/api/v1/jobs?state=queued").json()["jobs"].size(), 2u);
+  take_lease();
+  EXPECT_EQ(get("/api/v1/jobs?state=queued,paused").json()["jobs"].size(), 1u);
+  EXPECT_EQ(get("/api/v1/jobs?state=running").json()["jobs"].size(), 2u);
+  EXPECT_THAT(get("/api/v1/jobs?state=runing").json()["error"]["message"].get<std::string>(),
+              HasSubstr("there is no state 'runing'; did you mean 'running'?"));
+}
+
+TEST_F(HttpJobs, ListWorkersByStatePrincipalAndTime) {
+  start_page();
+  submit_page();
+  take_lease();
+  const auto count = [&](const std::string& query) {
+    return get("/api/v1/workers?" + query).json()["workers"].size();
+  };
+  EXPECT_EQ(count("state=working"), 1u);
+  EXPECT_EQ(count("state=in%20cooldown,idle"), 0u);
+  EXPECT_EQ(count("principal=nobody"), 0u);
+  EXPECT_EQ(count("seen_within=60"), 1u);
+  EXPECT_EQ(count("unseen_for=60"), 0u);
+  const Reply unknown = get("/api/v1/workers?state=idel");
+  EXPECT_EQ(unknown.status, 400);
+  EXPECT_EQ(unknown.json()["error"]["field"], "state");
+  EXPECT_THAT(unknown.json()["error"]["message"].get<std::string>(), HasSubstr("did you mean 'idle'?"));
+  EXPECT_EQ(get("/api/v1/workers?seen_within=soon").json()["error"]["field"], "seen_within");
 }
 
 TEST_F(HttpJobs, ListTheCachesOfWorkers) {

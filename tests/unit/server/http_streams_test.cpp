@@ -107,7 +107,7 @@ TEST_F(HttpStreams, OfTilesAreTheHalvesOfTheImage) {
   const auto live = send("GET", path, {}, {});
   while (work_once()) {
   }
-  const core::Image expected = server::ready_made_picture(server::kWidthPx, server::kHeightPx, server::kSpp);
+  const core::Image expected = server::ready_made_image(server::kWidthPx, server::kHeightPx, server::kSpp);
   std::uint64_t revision = 0;
   for (const std::string& body : {http::unchunked(live->receive_all()), get(path).body}) {
     const std::vector<Frame> frames = frames_of(body);
@@ -146,7 +146,7 @@ TEST_F(HttpStreams, OfTilesAreThoseOfOneImage) {
   while (work_once()) {
   }
   const core::Image expected =
-      server::ready_made_picture({0, 0, server::kWidthPx, server::kHeightPx}, server::kSpp, 1);
+      server::ready_made_image({0, 0, server::kWidthPx, server::kHeightPx}, server::kSpp, 1);
   std::size_t complete = 0;
   for (const Frame& frame : frames_of(get("/api/v1/jobs/" + job + "/tiles?image=1").body)) {
     const auto& header = frame.header;

@@ -50,7 +50,7 @@ class ImageFiles : public ScriptedFarm {
 };
 
 TEST_F(ImageFiles, AreThoseOfTheImageWhereverTheFilmIs) {
-  const core::Image image = ready_made_picture(kWidthPx, kHeightPx, kSpp);
+  const core::Image image = ready_made_image(kWidthPx, kHeightPx, kSpp);
   const std::string running = submit();
   work('a');
   const std::string stored = finish();
@@ -62,7 +62,7 @@ TEST_F(ImageFiles, AreThoseOfTheImageWhereverTheFilmIs) {
 }
 
 TEST_F(ImageFiles, OfARegionHaveItsPixels) {
-  const core::Image image = ready_made_picture(kWidthPx, kHeightPx, kSpp);
+  const core::Image image = ready_made_image(kWidthPx, kHeightPx, kSpp);
   const std::string id = finish();
   for (const core::PixelRect& region :
        {core::PixelRect{0, 0, kWidthPx, kHeightPx}, core::PixelRect{10, 20, 130, 99},

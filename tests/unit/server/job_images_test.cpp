@@ -29,7 +29,7 @@ class JobImages : public ScriptedFarm {
     const auto made = coordinator().images().get(id, image);
     ASSERT_TRUE(made) << made.error().message;
     const auto index = static_cast<std::uint32_t>(image);
-    EXPECT_EQ(made->image.pixels, ready_made_picture(kWholeImage, spp, index).pixels) << "image " << image;
+    EXPECT_EQ(made->image.pixels, ready_made_image(kWholeImage, spp, index).pixels) << "image " << image;
   }
   void crash() {
     const auto crashed = folder_.path() / "crashed";

@@ -211,7 +211,7 @@ TEST_F(JobStoreTest, JobsThatAreNotSettledAreListedWhateverTheStateOfTheirRows) 
   EXPECT_THAT(ids_of(store(), query), ElementsAre("a"));
 }
 
-TEST_F(JobStoreTest, AStartIsToldOfJobsThatAreNotSettled) {
+TEST_F(JobStoreTest, UnfinishedJobsAreRestored) {
   JobRow settled = job_row("a"), other = job_row("b");
   settled.settled = true;
   settled.finished_ms = 7;

@@ -121,7 +121,7 @@ TEST_F(Jobs, ASceneThatIsRefusedFailsItsJob) {
   }
 }
 
-TEST_F(Jobs, APictureTooLargeForTheFarmIsRefused) {
+TEST_F(Jobs, AnImageTooLargeForTheFarmIsRefused) {
   check_scene_ = accept_as_larger_than_allowed;
   open();
   EXPECT_EQ(refusal().code, ErrorCode::kResourceExhausted);
@@ -167,7 +167,7 @@ TEST_F(Jobs, APausedJobIsNotLeasedUntilItIsResumed) {
   EXPECT_EQ(call.answer()->leases_size(), 1);
 }
 
-TEST_F(Jobs, ACancelledJobKeepsItsPictureAndTakesNoMore) {
+TEST_F(Jobs, ACancelledJobKeepsItsImageAndTakesNoMore) {
   const std::string id = submit();
   const v1::Lease lease = synchronize(greeting('a')).leases(0);
   deliver(delivery('a', lease));
@@ -191,7 +191,7 @@ TEST_F(Jobs, ChangesOfStateMayBeRepeated) {
   EXPECT_TRUE(coordinator().jobs().cancel(id));
 }
 
-TEST_F(Jobs, ExtendingADoneJobGivesThePictureOfTheHigherNumber) {
+TEST_F(Jobs, ExtendingADoneJobGivesTheImageOfTheHigherNumber) {
   const std::string id = submit();
   work('a');
   ASSERT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
@@ -204,7 +204,7 @@ TEST_F(Jobs, ExtendingADoneJobGivesThePictureOfTheHigherNumber) {
     work('a');
     EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
     EXPECT_EQ(coordinator().images().get(id)->image.pixels,
-              ready_made_picture(kWidthPx, kHeightPx, spp).pixels);
+              ready_made_image(kWidthPx, kHeightPx, spp).pixels);
   }
 }
 
@@ -284,19 +284,19 @@ v1::SubmitJobRequest submission_of_window() {
 TEST_F(Jobs, OfAWindowComeToThosePixels) {
   const std::string id = submit(submission_of_window());
   EXPECT_EQ(job(id).samples_total(), kWindow.pixel_count() * kSpp);
-  EXPECT_EQ(job(id).settings().width_px(), 150u) << "the camera's picture";
+  EXPECT_EQ(job(id).settings().width_px(), 150u) << "the camera's image";
   work('a', 1);
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   open();  // and after a restart
   work('b');
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
   EXPECT_EQ(job(id).counters().samples(), kWindow.pixel_count() * kSpp) << "and no others";
-  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_picture(kWindow, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_image(kWindow, kSpp).pixels);
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());  // drops the film of the done job
-  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_picture(kWindow, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_image(kWindow, kSpp).pixels);
   ASSERT_TRUE(coordinator().jobs().extend(id, kSpp + 3));
   work('a');
-  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_picture(kWindow, kSpp + 3).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_image(kWindow, kSpp + 3).pixels);
 }
 
 TEST_F(Jobs, OfAWindowThatIsNoneAreRefused) {
@@ -366,7 +366,7 @@ TEST_F(Jobs, ThatAreOverAreNotUpdated) {
   EXPECT_EQ(coordinator().jobs().update(update).error().code, ErrorCode::kFailedPrecondition);
 }
 
-TEST_F(Jobs, ThatMayHaveMoreWorkersWakeThoseWhoWait) {
+TEST_F(Jobs, ThatMayHaveMoreWorkersNotifyIdleWaiters) {
   v1::SubmitJobRequest request = submission();
   request.set_max_workers(1);
   v1::UpdateJobRequest update;

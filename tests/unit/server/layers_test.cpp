@@ -55,7 +55,7 @@ std::string local_file(LayerSet layers, core::ImageFormat format,
   core::Film film(grid, layers);
   for (int tile = 0; tile < grid.tile_count(); ++tile)
     film.add(layered_tile(grid.rect(tile), {0, kSpp}, layers));
-  core::LayerRows rows(grid, layers,
+  core::LayerRows rows(grid, grid.window(), layers,
                        [&](int tile) -> core::Result<core::Film::TileSums> { return film.tile(tile); });
   const core::ChannelRows source{
       kWidthPx,     kHeightPx, core::image_channels(layers), [&](int y) { return rows.row(y); },
@@ -153,8 +153,7 @@ TEST_F(LayersTest, AreThoseOfTheLocalImage) {
     ASSERT_TRUE(last_) << last_.error().message;
   }
   expect_local_image(id);
-  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
-            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
   EXPECT_THAT(job(id).settings().layers(), ElementsAreArray(core::layer_names()));
   EXPECT_EQ(job(id).images(0).layout().channels(0).name(), "R");
   EXPECT_EQ(static_cast<std::size_t>(job(id).images(0).layout().channels_size()),
@@ -209,8 +208,8 @@ TEST_F(LayersTest, OfAJobWithoutAnyAreNotInItsFiles) {
   work('a');
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
   EXPECT_TRUE(file_of(id, v1::IMAGE_FORMAT_EXR) ==
-              *core::encode_image(ready_made_picture(kWidthPx, kHeightPx, kSpp), core::ImageFormat::kExr, {}, {},
-                                  attributes(id)));
+              *core::encode_image(ready_made_image(kWidthPx, kHeightPx, kSpp), core::ImageFormat::kExr, {},
+                                  {}, attributes(id)));
   EXPECT_EQ(job(id).images(0).layout().channels_size(), 0);
   file_of(id, v1::IMAGE_FORMAT_EXR, "albedo");
   EXPECT_EQ(error_.code, ErrorCode::kInvalidArgument);
@@ -243,7 +242,7 @@ TEST_F(LayersTest, AreFetchedOneByOne) {
         << name << error_.message;
   }
   EXPECT_TRUE(file_of(id, v1::IMAGE_FORMAT_EXR, "", {"R", "G", "B"}) ==
-              *core::encode_image(ready_made_picture(kWidthPx, kHeightPx, kSpp), core::ImageFormat::kExr));
+              *core::encode_image(ready_made_image(kWidthPx, kHeightPx, kSpp), core::ImageFormat::kExr));
   file_of(id, v1::IMAGE_FORMAT_EXR, "albedo");
   EXPECT_THAT(error_.message, HasSubstr("layer: the image has only normal, depth, crypto_object"));
 }
@@ -295,7 +294,7 @@ TEST_F(LayersTest, AreSentTogetherToWatchersOfAllChannels) {
 }
 
 // A result that is refused counts for nothing, and against its worker.
-class LayersOfLiarsTest : public LayersTest {
+class ForgedLayersTest : public LayersTest {
  protected:
   // What is said of a result that another worker changes each time: three refusals in a row are a quarantine.
   std::string refusal(LayerSet layers, const std::function<void(v1::RenderedItem&)>& change) {
@@ -327,7 +326,7 @@ class LayersOfLiarsTest : public LayersTest {
   char worker_ = 'a';
 };
 
-TEST_F(LayersOfLiarsTest, OfWrongSizesAreRefused) {
+TEST_F(ForgedLayersTest, OfWrongSizesAreRefused) {
   EXPECT_THAT(refusal(LayerSet(), [](auto&) {}), HasSubstr("plane_words: it has 0 planes of layers"));
   EXPECT_THAT(refusal([](auto& item) { item.mutable_plane_words()->RemoveLast(); }),
               HasSubstr("plane_words: it has"));
@@ -336,7 +335,7 @@ TEST_F(LayersOfLiarsTest, OfWrongSizesAreRefused) {
   EXPECT_EQ(counted(), 0u);
 }
 
-TEST_F(LayersOfLiarsTest, OfImpossibleSumsAreRefused) {
+TEST_F(ForgedLayersTest, OfImpossibleSumsAreRefused) {
   EXPECT_THAT(refusal([](auto& item) { item.set_sums_xxh3(item.sums_xxh3() + 1); }), HasSubstr("sums_xxh3"));
   EXPECT_THAT(refusal(core::ChannelEncoding::kCount, [](auto& plane) { plane[3] = 1000; }),
               HasSubstr("has a sum that no samples have"));
@@ -359,14 +358,15 @@ TEST_F(LayersTest, OfAJobThatIsGoneAreDroppedUnread) {
   EXPECT_EQ(dropped->dropped_items(), static_cast<std::uint32_t>(request.items_size()));
 }
 
-TEST_F(LayersTest, ThatNobodyKnowsAreRefused) {
+TEST_F(LayersTest, ThatAreUnknownAreRefused) {
   v1::SubmitJobRequest request = submission();
   request.mutable_overrides()->mutable_layers()->add_names("albedos");
   EXPECT_THAT(proto::from_proto(request.overrides()).error().message, HasSubstr("layers: must be of alpha"));
   request.mutable_overrides()->mutable_layers()->set_names(0, "all");
   EXPECT_FALSE(proto::from_proto(request.overrides()));
   for (int i = 0; i < 100; ++i) request.mutable_overrides()->mutable_layers()->add_names("albedo");
-  EXPECT_THAT(proto::from_proto(request.overrides()).error().message, HasSubstr("layers: there are at most 51, got 101"));
+  EXPECT_THAT(proto::from_proto(request.overrides()).error().message,
+              HasSubstr("layers: there are at most 51, got 101"));
 }
 
 core::FilmTile part(core::SampleRange range) {

@@ -25,13 +25,13 @@ void expect_limit(const core::Error& error, const std::string& sentence) {
   EXPECT_THAT(error.message, HasSubstr(sentence));
 }
 
-TEST_F(Limits, OfPictures) {
-  limit({.picture_pixels = kWidthPx * kHeightPx});
+TEST_F(Limits, OfImages) {
+  limit({.image_pixels = kWidthPx * kHeightPx});
   submit();
-  limit({.picture_pixels = kWidthPx * kHeightPx - 1});
+  limit({.image_pixels = kWidthPx * kHeightPx - 1});
   expect_limit(refusal(submission()),
                "the image has 150 x 100 = 15000 pixels, and this farm takes at most 14999 "
-               "(tessera-coordinator --max-picture-pixels)");
+               "(tessera-coordinator --max-image-pixels)");
 }
 
 TEST_F(Limits, OfSamplesPerPixelAlsoWhenTheyAreExtended) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long the state lock is held, by the processor time of its holder: that does not depend on what else the
-// machine does.
+// How long the state lock is held, and that its holder does not wait. Neither depends on what else the
+// machine does: the processor time of the holder is measured, and a wait is a voluntary context switch.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <time.h>
 
 #include <atomic>
@@ -13,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/farm/state_lock.hpp"
 #include "server/farm/totals.hpp"
 #include "server/film/tile_row.hpp"
 #include "tests/unit/server/scripted_farm.hpp"
@@ -39,6 +41,15 @@ nanoseconds processor_time() {
   return std::chrono::seconds(time.tv_sec) + nanoseconds(time.tv_nsec);
 }
 
+// The processor time of this thread, and a second for each time that it gave up the processor: to sleep, or
+// to wait for a mutex, the disk or another thread. What the scheduler of the machine takes away does not
+// count.
+nanoseconds waits_as_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  return processor_time() + std::chrono::seconds(usage.ru_nvcsw);
+}
+
 v1::SynchronizeRequest greeting_of(int worker) {
   v1::SynchronizeRequest request = greeting('a');
   request.set_worker_id(fmt::format("{:032x}", worker));
@@ -60,6 +71,18 @@ class LockHolds : public ScriptedFarm {
     request.mutable_overrides()->set_height_px(static_cast<std::uint32_t>(side_px));
     request.mutable_overrides()->set_spp(spp);
     return submit(request);
+  }
+
+  // A download of a part of it, of four million pixels.
+  void download(const std::string& id) {
+    v1::GetImageRequest request;
+    request.set_job_id(id);
+    request.set_format(v1::IMAGE_FORMAT_PNG);
+    request.mutable_region()->set_x1(2048);
+    request.mutable_region()->set_y1(2048);
+    const auto file = coordinator().images().write(request);
+    ASSERT_TRUE(file) << file.error().message;
+    EXPECT_GT(file->size_bytes, 0u);
   }
 
   // Gives every 32nd tile of a job its first sample, which is black, in the store: all would take a minute to
@@ -146,18 +169,18 @@ class Meanwhile {
 
 TEST_F(LockHolds, AreShortWhileAThousandWorkersRenderAThousandJobsThatAreListedAndALargeOneIsDeleted) {
   const std::string large = submit_of_size(kLargePx, 2);
+  const std::string watched = submit_of_size(kLargePx, 2);
   coordinator_.reset();
   store_first_samples(large);
+  store_first_samples(watched);
   open();
   ASSERT_EQ(job(large).samples_done(), std::uint64_t{kLargePx} * kLargePx / kTilesForOneStored);
   begin_to_count();  // nobody waits while jobs are restored
-  std::vector<std::string> jobs;
-  for (int i = 0; i < kJobs; ++i) jobs.push_back(submit());
+  for (int i = 0; i < kJobs; ++i) submit();
   std::vector<WaitingCall> calls;
   {
     Meanwhile meanwhile;
-    for (std::size_t i = 0; i < 4; ++i)
-      meanwhile.repeat([&, i] { EXPECT_TRUE(coordinator().images().get(jobs[i])); });
+    for (int i = 0; i < 4; ++i) meanwhile.repeat([&] { download(watched); });
     meanwhile.repeat([&] { EXPECT_TRUE(coordinator().checkpointer().checkpoint()); });
     meanwhile.repeat([&] { coordinator().dispatcher().tick(); });
     meanwhile.repeat([&] { list_everything(); });
@@ -197,6 +220,81 @@ TEST_F(LockHolds, AreShortWhenAThousandWorkersAreAnsweredOrLostAtOnce) {
   EXPECT_EQ(silent_workers(), kWorkers);
   const auto [beyond, text] = holds_beyond(kLongestHold);
   EXPECT_EQ(beyond, 0u) << text;
+}
+
+TEST_F(LockHolds, AreSeenWhereTheyAreLong) {
+  begin_to_count();
+  {
+    const farm::StateLock lock(coordinator().farm());
+    const nanoseconds end = processor_time() + 2 * kLongestHold;
+    while (processor_time() < end) continue;
+  }
+  EXPECT_EQ(holds_beyond(kLongestHold).first, 1u);
+}
+
+// Calls one after another: nothing contends for a mutex, so what a holder waits for it waits for each time.
+class LockWaits : public LockHolds {
+ protected:
+  static constexpr int kRounds = 32;
+
+  LockWaits() {
+    hold_clock_ = waits_as_seconds;
+    open();
+  }
+
+  // One hold in four rounds may wait: for a page of the program that is still on the disk, for instance.
+  void expect_hardly_any() {
+    const auto [waits, text] = holds_beyond(milliseconds(500));
+    EXPECT_LT(waits, std::uint64_t{kRounds} / 4) << text;
+  }
+  void deliver_leases_of(const WaitingCall& call) {
+    ASSERT_TRUE(call.answered() && call.answer());
+    for (const v1::Lease& lease : call.answer()->leases()) {
+      v1::SubmitResultRequest result = delivery('a', lease);
+      result.mutable_render_time()->set_seconds(4);  // so that leases do not grow
+      deliver(result);
+    }
+  }
+  void write_checkpoint() { EXPECT_TRUE(coordinator().checkpointer().checkpoint()); }
+  // A job from its submission until it is deleted.
+  void run_a_job() {
+    const std::string id = submit_of_size(1024, 64);
+    deliver_leases_of(WaitingCall(coordinator(), greeting('a')));
+    write_checkpoint();
+    EXPECT_TRUE(coordinator().images().get(id));
+    EXPECT_TRUE(coordinator().jobs().pause(id));
+    EXPECT_TRUE(coordinator().jobs().resume(id));
+    list_everything();
+    coordinator().dispatcher().tick();
+    EXPECT_TRUE(coordinator().jobs().cancel(id));
+    write_checkpoint();
+    EXPECT_TRUE(coordinator().jobs().remove(id));
+    EXPECT_TRUE(coordinator().jobs().remove_deleted_tiles());
+    now_ += std::chrono::seconds(1);
+  }
+  // The same until it is done.
+  void complete_a_job() {
+    const std::string id = submit();
+    work('a');
+    EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
+    EXPECT_TRUE(coordinator().images().get(id));
+  }
+};
+
+TEST_F(LockWaits, AreNoneInTheLifeOfAJob) {
+  begin_to_count();
+  for (int round = 0; round < kRounds; ++round) run_a_job();
+  for (int round = 0; round < kRounds; ++round) complete_a_job();
+  expect_hardly_any();
+}
+
+TEST_F(LockWaits, AreSeen) {
+  begin_to_count();
+  for (int round = 0; round < kRounds; ++round) {
+    const farm::StateLock lock(coordinator().farm());
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  }
+  EXPECT_GE(holds_beyond(milliseconds(500)).first, std::uint64_t{kRounds});
 }
 
 }  // namespace

@@ -92,6 +92,16 @@ TEST(MessageShape, WhatIsDamagedIsRefused) {
   EXPECT_FALSE(check(std::string(1, '\0'), *v1::GetJobRequest::descriptor(), limits)) << "field 0";
 }
 
+// The role that a method of the contract needs.
+auth::Role role_of(const google::protobuf::MethodDescriptor& method) {
+  if (method.service()->name() == "WorkerService") return auth::Role::kWork;
+  if (method.service()->name() == "AdminService") return auth::Role::kAdmin;
+  const std::string& name = method.name();
+  const bool reads = name.starts_with("List") || name.starts_with("Watch") ||
+                     (name.starts_with("Get") && name != "GetUpload");
+  return reads ? auth::Role::kWatch : auth::Role::kSubmit;
+}
+
 TEST(Methods, AreThoseOfTheContract) {
   const auth::Methods methods{server::Limits()};
   std::size_t count = 0;
@@ -102,9 +112,7 @@ TEST(Methods, AreThoseOfTheContract) {
     for (int i = 0; i < service->method_count(); ++i, ++count) {
       const std::string path = "/" + service->full_name() + "/" + service->method(i)->name();
       ASSERT_TRUE(methods.all().contains(path)) << path;
-      EXPECT_EQ(methods.at(path).role, service->name() == "WorkerService"  ? auth::Role::kWork
-                                       : service->name() == "AdminService" ? auth::Role::kAdmin
-                                                                           : auth::Role::kSubmit);
+      EXPECT_EQ(methods.at(path).role, role_of(*service->method(i))) << path;
     }
   }
   EXPECT_EQ(methods.all().size(), count);

@@ -19,7 +19,8 @@ namespace {
 using grpc::StatusCode;
 using Roles = std::set<std::string>;
 
-const Roles kUsers{"submit", "admin"}, kWorkers{"work", "admin"}, kAdministrators{"admin"};
+const Roles kViewers{"watch", "submit", "admin"}, kUsers{"submit", "admin"}, kWorkers{"work", "admin"},
+    kAdministrators{"admin"};
 
 // The roles that may call each method.
 const std::map<std::string, Roles> kMayCall{
@@ -28,20 +29,20 @@ const std::map<std::string, Roles> kMayCall{
     {"RenderService/BatchUploadBlobs", kUsers},
     {"RenderService/GetUpload", kUsers},
     {"RenderService/SubmitJob", kUsers},
-    {"RenderService/GetJob", kUsers},
-    {"RenderService/ListJobs", kUsers},
-    {"RenderService/WatchJob", kUsers},
-    {"RenderService/GetImage", kUsers},
+    {"RenderService/GetJob", kViewers},
+    {"RenderService/ListJobs", kViewers},
+    {"RenderService/WatchJob", kViewers},
+    {"RenderService/GetImage", kViewers},
     {"RenderService/CancelJob", kUsers},
     {"RenderService/PauseJob", kUsers},
     {"RenderService/ResumeJob", kUsers},
     {"RenderService/ExtendJob", kUsers},
     {"RenderService/UpdateJob", kUsers},
     {"RenderService/DeleteJob", kUsers},
-    {"RenderService/ListWorkers", kUsers},
-    {"RenderService/WatchFarm", kUsers},
-    {"RenderService/WatchTiles", kUsers},
-    {"RenderService/GetServerInfo", kUsers},
+    {"RenderService/ListWorkers", kViewers},
+    {"RenderService/WatchFarm", kViewers},
+    {"RenderService/WatchTiles", kViewers},
+    {"RenderService/GetServerInfo", kViewers},
     {"WorkerService/Synchronize", kWorkers},
     {"WorkerService/SubmitResult", kWorkers},
     {"WorkerService/FetchBlob", kWorkers},
@@ -76,7 +77,7 @@ class MethodsTest : public LimitedService {
 
   void start_with_roles() {
     std::string lines;
-    for (const std::string role : {"submit", "work", "admin"})
+    for (const std::string role : {"watch", "submit", "work", "admin"})
       lines += role + " " + role + " " + token_of(role) + "\n";
     write_file(folder_.path() / "tokens", lines);
     access_ = *auth::Access::read(folder_.path() / "tokens");
@@ -134,7 +135,7 @@ TEST_F(MethodsTest, AreAnsweredToTheRolesOfTheTableAlone) {
   start_with_roles();
   for (const std::string& token : {std::string(), token_of("other")})
     for (const auto& [method, code] : ask_all(token)) EXPECT_EQ(code, StatusCode::UNAUTHENTICATED) << method;
-  for (const std::string role : {"submit", "work", "admin"}) {
+  for (const std::string role : {"watch", "submit", "work", "admin"}) {
     for (const auto& [method, code] : ask_all(token_of(role))) {
       EXPECT_NE(code, StatusCode::UNAUTHENTICATED) << method << " with the role " << role;
       EXPECT_NE(code, StatusCode::UNIMPLEMENTED) << method;
@@ -142,6 +143,31 @@ TEST_F(MethodsTest, AreAnsweredToTheRolesOfTheTableAlone) {
           << method << " with the role " << role << ": " << code;
     }
   }
+}
+
+// A watcher's jobs of an earlier role are no exception.
+TEST_F(MethodsTest, AWatcherSeesEverythingAndChangesNothing) {
+  start_with_roles();
+  const auto submitted = coordinator_->jobs().submit(submission(), "watch");
+  ASSERT_TRUE(submitted);
+  coordinator_->jobs().validate(submitted->id());
+  const auto context = [] {
+    auto made = std::make_unique<grpc::ClientContext>();
+    made->AddMetadata("authorization", "Bearer " + token_of("watch"));
+    return made;
+  };
+  v1::ListJobsResponse jobs;
+  const auto listing = context();
+  EXPECT_TRUE(users_->ListJobs(listing.get(), {}, &jobs).ok());
+  ASSERT_EQ(jobs.jobs_size(), 1);
+  v1::CancelJobRequest cancel;
+  cancel.set_job_id(submitted->id());
+  v1::CancelJobResponse cancelled;
+  const auto cancelling = context();
+  const grpc::Status status = users_->CancelJob(cancelling.get(), cancel, &cancelled);
+  EXPECT_EQ(status.error_code(), StatusCode::PERMISSION_DENIED);
+  EXPECT_EQ(status.error_message(), "the token of watch is for 'watch', and this needs one for 'submit'");
+  EXPECT_EQ(coordinator_->jobs().get(submitted->id())->state(), v1::JOB_STATE_RUNNING);
 }
 
 TEST_F(MethodsTest, TheServerTellsWhatTheCallerIs) {

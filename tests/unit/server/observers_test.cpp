@@ -73,13 +73,13 @@ void expect_nobody_is_kept_up(List& list, Observer& held, Observer& other) {
   other.let_go();
 }
 
-TEST(StallWatchTest, OneThatIsAskedKeepsUpNobody) {
+TEST(StallWatchTest, APollDoesNotBlockOthers) {
   HeldStream held, other;
   StallWatch watch(40ms);
   expect_nobody_is_kept_up(watch, held, other);
 }
 
-TEST(WatchHubTest, OneThatIsNotifiedKeepsUpNobody) {
+TEST(WatchHubTest, ANotificationDoesNotBlockOthers) {
   events::EventLog log(1);
   HeldWatcher held("job"), other("job");
   WatchHub hub(log);
@@ -128,7 +128,7 @@ TEST(WatchHubTest, NotifiesThoseWhomAChangeConcerns) {
   for (CountingWatcher* watcher : {&one, &two, &all}) hub.remove(*watcher);
 }
 
-TEST(WatchHubTest, HasARoundWhileSomebodyWantsOne) {
+TEST(WatchHubTest, PollsWhileThereAreWatchers) {
   events::EventLog log(1);
   CountingWatcher watcher("job");
   WatchHub hub(log);

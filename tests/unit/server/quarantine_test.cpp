@@ -17,7 +17,7 @@ QuarantineEntry entry_of(const Producer& producer, std::int64_t since_ms = 0) {
   return {producer, producer.principal, "it lied", since_ms};
 }
 
-TEST(QuarantineTest, CountsRejectionsInARowUntilTheWorkerIsGone) {
+TEST(QuarantineTest, CountsConsecutiveRejections) {
   Quarantine quarantine;
   for (int i = 1; i < Quarantine::kRejectionsUntilQuarantine; ++i) EXPECT_FALSE(quarantine.refused("liar"));
   EXPECT_TRUE(quarantine.refused("liar"));

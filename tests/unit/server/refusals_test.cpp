@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(
             [](auto& item) {
               rerender(item, {0, 0, 64, 63}, {0, 1});
             }},
-        Lie{"OutsideThePicture",
+        Lie{"OutsideTheImage",
             [](auto& item) {
               rerender(item, {640, 0, 704, 64}, {0, 1});
             }},
@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(
             [](auto& item) { item.mutable_counters()->mutable_first_non_finite()->set_x(100'000); }}),
     [](const auto& lie) { return lie.param.name; });
 
-TEST_F(Refusals, AWorkerWhoseResultsAreRefusedAgainAndAgainIsPutAside) {
+TEST_F(Refusals, AWorkerWithRepeatedRejectedResultsIsQuarantined) {
   const std::string id = submit();
   const auto greeting_from = [](char worker, char machine) {
     v1::SynchronizeRequest request = greeting(worker);
@@ -99,12 +99,11 @@ TEST_F(Refusals, AWorkerWhoseResultsAreRefusedAgainAndAgainIsPutAside) {
   namesake.set_name("host-a");
   EXPECT_EQ(synchronize(namesake).leases_size(), 1);
   work('c');
-  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
-            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 // A result that anybody could send does not count against the named worker.
-TEST_F(Refusals, ResultsWithoutTheTokenOfTheirLeaseHarmNobody) {
+TEST_F(Refusals, ResultsWithoutALeaseTokenAffectNoOther) {
   const std::string id = submit();
   const v1::Lease lease = synchronize(greeting('a')).leases(0);
   const v1::Lease other = synchronize(greeting('b')).leases(0);
@@ -143,7 +142,7 @@ TEST_F(Refusals, ResultsOfWorkersFromBeforeARestartCount) {
   EXPECT_GT(deliver(delivery('a', lease)).accepted_items(), 0u);
 }
 
-TEST_F(Refusals, RefusalsWithGoodResultsInBetweenPutNobodyAside) {
+TEST_F(Refusals, RejectionsBetweenAcceptedResultsDoNotQuarantine) {
   submit();
   for (int i = 0; i < 4; ++i) {
     const v1::Lease lease = synchronize(greeting('a')).leases(0);

@@ -80,7 +80,7 @@ TEST_F(Restart, FindsJobsOfManyLabelsUndamaged) {
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
 }
 
-TEST_F(Restart, CarriesOnFromTheCheckpointToTheSamePicture) {
+TEST_F(Restart, CarriesOnFromTheCheckpointToTheSameImage) {
   const std::string id = submit();
   work('a', 3);
   const v1::Job before = job(id);
@@ -94,8 +94,7 @@ TEST_F(Restart, CarriesOnFromTheCheckpointToTheSamePicture) {
   EXPECT_EQ(coordinator().images().get(id)->image.pixels, so_far.pixels);
   work('b');
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
-  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
-            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(Restart, ACrashCostsWhatCameAfterTheCheckpointAndNothingElse) {
@@ -108,8 +107,7 @@ TEST_F(Restart, ACrashCostsWhatCameAfterTheCheckpointAndNothingElse) {
   crash();
   EXPECT_EQ(job(id).samples_done(), stored);
   work('b');
-  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
-            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(Restart, AnAcceptedJobSurvivesACrashAtOnce) {
@@ -137,8 +135,7 @@ TEST_F(Restart, AResultOfALeaseFromBeforeCountsAfterwards) {
   crash();
   EXPECT_EQ(deliver(delivery('a', lease)).accepted_items(), static_cast<std::uint32_t>(lease.items_size()));
   work('b');
-  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
-            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(Restart, LeaseNumbersAreNeverUsedAgain) {
@@ -148,7 +145,7 @@ TEST_F(Restart, LeaseNumbersAreNeverUsedAgain) {
   EXPECT_NE(synchronize(greeting('a')).leases(0).id(), before);
 }
 
-TEST_F(Restart, ADoneJobStaysDoneWithItsPictureTimeAndCounters) {
+TEST_F(Restart, ADoneJobStaysDoneWithItsImageTimeAndCounters) {
   const std::string id = submit();
   work('a');
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());
@@ -157,11 +154,10 @@ TEST_F(Restart, ADoneJobStaysDoneWithItsPictureTimeAndCounters) {
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
   EXPECT_EQ(job(id).finished_at().SerializeAsString(), before.finished_at().SerializeAsString());
   EXPECT_EQ(job(id).counters().SerializeAsString(), before.counters().SerializeAsString());
-  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
-            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
-TEST_F(Restart, TheEndOfAJobIsToldOnceACrashCannotUndoIt) {
+TEST_F(Restart, ACompletionIsPublishedOnceItIsDurable) {
   const std::string id = submit();
   EXPECT_FALSE(coordinator().dispatcher().tick());
   work('a');
@@ -211,11 +207,10 @@ TEST_F(Restart, ADamagedTileOfARunningJobIsRenderedAgain) {
   open();
   EXPECT_LT(job(id).samples_done(), stored);
   work('b');
-  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
-            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
-TEST_F(Restart, ADamagedJobFailsAndHarmsNoOther) {
+TEST_F(Restart, ADamagedJobFailsAndAffectsNoOther) {
   const std::string damaged = submit(), whole = submit();
   work('a', 2);
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());
@@ -228,7 +223,7 @@ TEST_F(Restart, ADamagedJobFailsAndHarmsNoOther) {
   EXPECT_TRUE(coordinator().jobs().remove(damaged));
 }
 
-TEST_F(Restart, ARowThatNoJobCanHaveFailsItAndHarmsNoOther) {
+TEST_F(Restart, AJobWithAnImpossibleRowFailsAndAffectsNoOther) {
   const std::string damaged = submit(), whole = submit();
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   const std::pair<std::uint32_t, int> impossible[] = {{0, 1}, {16'777'217, 1}, {kSpp, 0}, {kSpp, 99}};
@@ -249,7 +244,7 @@ TEST_F(Restart, ARowThatNoJobCanHaveFailsItAndHarmsNoOther) {
 }
 
 // With valid checksums, but values that no coordinator writes.
-TEST_F(Restart, RowsThatNoCoordinatorHereWritesFailTheirJobsAndHarmNoOther) {
+TEST_F(Restart, ForeignRowsFailTheirJobsAndAffectNoOther) {
   const std::string damaged = submit(), whole = submit(), mute = submit(), huge = submit(),
                     timeless = submit();
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());
@@ -281,7 +276,7 @@ TEST_F(Restart, RowsThatNoCoordinatorHereWritesFailTheirJobsAndHarmNoOther) {
   EXPECT_EQ(job(whole).state(), v1::JOB_STATE_RUNNING);
 }
 
-TEST_F(Restart, AJobWhoseNameIsNoTextIsLeftOutAndHarmsNoOther) {
+TEST_F(Restart, AJobWithABinaryNameIsLeftOutAndAffectsNoOther) {
   const std::string damaged = submit(), whole = submit();
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   meddle("UPDATE jobs SET id = CAST(X'6AFF' AS TEXT) WHERE id = '" + damaged + "'");
@@ -295,7 +290,7 @@ TEST_F(Restart, AJobWhoseNameIsNoTextIsLeftOutAndHarmsNoOther) {
 }
 
 // One bit of a seed would give another image.
-TEST_F(Restart, AJobWhoseRowChangedOnDiskFailsAndHarmsNoOther) {
+TEST_F(Restart, AJobWithAChangedRowFailsAndAffectsNoOther) {
   const std::string damaged = submit(), whole = submit();
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   meddle("UPDATE jobs SET spp = 7 WHERE id = '" + damaged + "'");
@@ -316,8 +311,7 @@ TEST_F(Restart, ADamagedRowDoesNotRaiseARunningJobsSamples) {
   open();
   EXPECT_EQ(job(id).settings().spp(), kSpp);
   work('b');
-  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
-            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(Restart, ADamagedRowDoesNotRaiseAFinishedJobsSamples) {
@@ -342,20 +336,19 @@ TEST_F(Restart, ADoneJobThatLacksATileRendersIt) {
   open();
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
   work('b');
-  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
-            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
-TEST_F(Restart, ADamagedTileOfADoneJobIsToldAndHarmsNoOther) {
+TEST_F(Restart, ADamagedTileOfADoneJobIsReportedAndAffectsNoOther) {
   const std::string damaged = submit(), whole = submit();
   work('a');
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   meddle("UPDATE tiles SET content = X'00' WHERE tile = 0 AND job_id = '" + damaged + "'");
   open();
-  const auto picture = coordinator().images().get(damaged);
-  ASSERT_FALSE(picture);
-  EXPECT_EQ(picture.error().code, ErrorCode::kDataLoss);
-  EXPECT_THAT(picture.error().message, HasSubstr("tile 0 of job " + damaged + " is damaged"));
+  const auto image = coordinator().images().get(damaged);
+  ASSERT_FALSE(image);
+  EXPECT_EQ(image.error().code, ErrorCode::kDataLoss);
+  EXPECT_THAT(image.error().message, HasSubstr("tile 0 of job " + damaged + " is damaged"));
   EXPECT_EQ(coordinator().jobs().extend(damaged, kSpp + 1).error().code, ErrorCode::kDataLoss);
   EXPECT_TRUE(coordinator().images().get(whole));
 }

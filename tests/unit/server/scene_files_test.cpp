@@ -72,7 +72,7 @@ TEST_F(SceneFilesTest, AnUploadTakesItsRoomBeforeItsBytesCome) {
   EXPECT_EQ(files_->used_bytes(), 3 * kMib);
 }
 
-TEST_F(SceneFilesTest, NobodyTakesTheRoomOfOthers) {
+TEST_F(SceneFilesTest, NoOwnerTakesTheQuotaOfOthers) {
   for (const char name : {'a', 'b', 'c', 'd'}) EXPECT_TRUE(upload("ada", name));
   const auto refused = upload("ada", 'e');
   ASSERT_FALSE(refused);
@@ -149,7 +149,7 @@ TEST_F(SceneFilesTest, ADeletedJobMakesRoomAtOnce) {
   EXPECT_TRUE(upload("ada", 'e'));
 }
 
-TEST_F(SceneFilesTest, WhatAJobNamesIsItsSubmittersOrNobodys) {
+TEST_F(SceneFilesTest, FilesOfAJobBelongToItsSubmitterOrNoOwner) {
   for (const char name : {'a', 'b', 'c', 'd'}) EXPECT_TRUE(upload("10.0.0.1", name));
   const auto job = files_->hold(bundle("abcd"));
   now_ += 15min;

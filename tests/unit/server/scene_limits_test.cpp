@@ -141,7 +141,7 @@ TEST_F(SceneLimits, AScenesValidationIsRepeatedAfterARestart) {
   wait_for(v1::JOB_STATE_RUNNING, waiting);
 }
 
-TEST_F(SceneLimits, PicturesAndExtensionsDoNotWaitForScenes) {
+TEST_F(SceneLimits, ImagesAndExtensionsDoNotWaitForScenes) {
   start({});
   grpc::ClientContext submitting;
   v1::SubmitJobResponse submitted;

@@ -58,7 +58,7 @@ v1::RenderedItem ready_made_item(const v1::WorkItem& message) {
   return proto::encode_tile(ready_made_tile(item->rect, item->range, item->image), item->image);
 }
 
-core::Image ready_made_picture(const core::PixelRect& window, std::uint32_t spp, std::uint32_t image) {
+core::Image ready_made_image(const core::PixelRect& window, std::uint32_t spp, std::uint32_t image) {
   core::Film film({window, core::kTilePx});
   for (int tile = 0; tile < film.grid().tile_count(); ++tile) {
     film.add(ready_made_tile(film.grid().rect(tile), {0, spp}, image));
@@ -66,8 +66,8 @@ core::Image ready_made_picture(const core::PixelRect& window, std::uint32_t spp,
   return film.develop();
 }
 
-core::Image ready_made_picture(int width_px, int height_px, std::uint32_t spp) {
-  return ready_made_picture({0, 0, width_px, height_px}, spp);
+core::Image ready_made_image(int width_px, int height_px, std::uint32_t spp) {
+  return ready_made_image({0, 0, width_px, height_px}, spp);
 }
 
 core::Result<jobs::CheckedScene> accept_scene(const v1::Bundle&, const v1::RenderOverrides& overrides,

@@ -22,8 +22,8 @@ namespace tessera::server {
 core::FilmTile ready_made_tile(const core::PixelRect& rect, core::SampleRange range, std::uint32_t image = 0);
 v1::RenderedItem ready_made_item(const v1::WorkItem& item);
 // The image that the farm must produce.
-core::Image ready_made_picture(const core::PixelRect& window, std::uint32_t spp, std::uint32_t image = 0);
-core::Image ready_made_picture(int width_px, int height_px, std::uint32_t spp);
+core::Image ready_made_image(const core::PixelRect& window, std::uint32_t spp, std::uint32_t image = 0);
+core::Image ready_made_image(int width_px, int height_px, std::uint32_t spp);
 
 // Accepts any scene: 150 x 100 pixels, 6 samples per pixel, overrides applied. 3 x 2 tiles, of which 4 are
 // cropped.

@@ -52,7 +52,7 @@ class SegmentTrackerTest : public ::testing::Test {
   SegmentTracker::Time now_{1h};
 };
 
-TEST_F(SegmentTrackerTest, WorkersThatServeNobodyAreAllSentEverythingAtOnce) {
+TEST_F(SegmentTrackerTest, WorkersThatServeNoBlobsGetAllSegmentsAtOnce) {
   std::vector<SegmentTracker::Source> sources;
   for (const std::string worker : {"a", "b", "c", "d"}) {
     auto ask = ask_of(worker, blob_of(2));
@@ -79,7 +79,7 @@ TEST_F(SegmentTrackerTest, WhatWasNotSentWholeIsSentToTheNext) {
   EXPECT_TRUE(std::holds_alternative<Sending>(choose(ask_of("b", blob_of(1)))));
 }
 
-TEST_F(SegmentTrackerTest, NobodyWaitsForLongerThanThePatience) {
+TEST_F(SegmentTrackerTest, NoFetchWaitsLongerThanTheTimeout) {
   const auto slow = choose(ask_of("a", blob_of(1)));
   EXPECT_TRUE(std::holds_alternative<Later>(choose(ask_of("b", blob_of(1)))));
   now_ += SegmentTracker::kPatience;

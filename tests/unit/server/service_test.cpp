@@ -131,11 +131,11 @@ class Service : public testing::Test {
   std::unique_ptr<v1::WorkerService::Stub> workers_;
 };
 
-TEST_F(Service, FromSubmissionToThePicture) {
+TEST_F(Service, FromSubmissionToTheImage) {
   const std::string id = submit();
   work_until_done(id);
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
-  const core::Image expected = server::ready_made_picture(server::kWidthPx, server::kHeightPx, server::kSpp);
+  const core::Image expected = server::ready_made_image(server::kWidthPx, server::kHeightPx, server::kSpp);
   const std::pair<v1::ImageFormat, core::ImageFormat> formats[] = {
       {v1::IMAGE_FORMAT_PNG, core::ImageFormat::kPng},
       {v1::IMAGE_FORMAT_EXR, core::ImageFormat::kExr},
@@ -151,21 +151,21 @@ TEST_F(Service, FromSubmissionToThePicture) {
 TEST_F(Service, PngFilesAreShownAsTheJobOrTheCallSays) {
   const std::string id = submit();
   work_until_done(id);
-  const core::Image picture = server::ready_made_picture(server::kWidthPx, server::kHeightPx, server::kSpp);
+  const core::Image image = server::ready_made_image(server::kWidthPx, server::kHeightPx, server::kSpp);
   v1::DisplayOverrides display;
   display.set_exposure_stops(-3);
   display.set_tone_curve(v1::TONE_CURVE_ACES);
   std::string png, exr;
   ASSERT_TRUE(get_image(id, v1::IMAGE_FORMAT_PNG, png, display).ok());
-  EXPECT_TRUE(png == *core::encode_image(picture, core::ImageFormat::kPng, {-3, core::ToneCurve::kAces}));
+  EXPECT_TRUE(png == *core::encode_image(image, core::ImageFormat::kPng, {-3, core::ToneCurve::kAces}));
   ASSERT_TRUE(get_image(id, v1::IMAGE_FORMAT_EXR, exr, display).ok());
-  EXPECT_TRUE(exr == *core::encode_image(picture, core::ImageFormat::kExr));
+  EXPECT_TRUE(exr == *core::encode_image(image, core::ImageFormat::kExr));
   display.set_exposure_stops(99);
   EXPECT_EQ(get_image(id, v1::IMAGE_FORMAT_PNG, png = "", display).error_code(),
             grpc::StatusCode::INVALID_ARGUMENT);
 }
 
-TEST_F(Service, ThePictureOfARunningJobAndOfNone) {
+TEST_F(Service, TheImageOfARunningJobAndOfNone) {
   const std::string id = submit();
   std::string bytes;
   EXPECT_TRUE(get_image(id, v1::IMAGE_FORMAT_PNG, bytes).ok());

@@ -110,11 +110,11 @@ TEST_F(StateCheck, SalvageKeepsWhatIsWholeAndTheRestIsRenderedAgain) {
   for (const std::string& id : {done_, running_}) {
     EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
     EXPECT_EQ(coordinator().images().get(id)->image.pixels,
-              ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+              ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
   }
 }
 
-TEST_F(StateCheck, WhatIsLostOfACancelledJobIsToldToBeLost) {
+TEST_F(StateCheck, LostTilesOfACancelledJobAreReported) {
   const std::string id = submit();
   work('a', 3);
   ASSERT_TRUE(coordinator().jobs().cancel(id));
@@ -127,7 +127,7 @@ TEST_F(StateCheck, WhatIsLostOfACancelledJobIsToldToBeLost) {
   EXPECT_EQ(salvage->tiles_lost_for_good, 1u);
 }
 
-TEST_F(StateCheck, ATileThatIsMissingFromAFinishedJobIsTold) {
+TEST_F(StateCheck, AMissingTileOfAFinishedJobIsReported) {
   fill();
   meddle("DELETE FROM tiles WHERE tile = 1 AND job_id = '" + done_ + "'");
   const auto damaged = admin::check_state(state());
@@ -208,7 +208,7 @@ TEST_F(StateCheck, ASalvageThatCannotReplaceLeavesEverythingWhereItWas) {
   EXPECT_FALSE(std::filesystem::exists(state() / "tessera.db.damaged-1-wal"));
 }
 
-TEST_F(StateCheck, ADatabaseThatIsGoneIsNotBegunAnew) {
+TEST_F(StateCheck, AMissingDatabaseIsNotCreated) {
   fill();
   close();
   std::filesystem::remove(state() / "tessera.db");

@@ -25,7 +25,7 @@ TEST_F(StoreFiles, AFileThatIsRemovedIsMissed) {
   EXPECT_EQ(store().expect_file().error().code, ErrorCode::kDataLoss);
 }
 
-TEST_F(StoreFiles, APathThatIsTooLongIsToldAsSuch) {
+TEST_F(StoreFiles, ATooLongPathIsReported) {
   std::filesystem::path folder = folder_.path();
   for (int i = 0; i < 6; ++i) folder /= std::string(100, 'x');
   std::filesystem::create_directories(folder);
@@ -34,7 +34,7 @@ TEST_F(StoreFiles, APathThatIsTooLongIsToldAsSuch) {
   EXPECT_THAT(refused.error().message, HasSubstr("shorter path"));
 }
 
-TEST_F(StoreFiles, ATileThatChangedOnDiskIsToldByFileTileAndJob) {
+TEST_F(StoreFiles, AChangedTileIsReportedByFileTileAndJob) {
   ASSERT_TRUE(store().insert_job(job_row("a")));
   for (const std::string column : {"content", "done"}) {
     ASSERT_TRUE(store().write_tiles({tile_row("a", 3, "whole")}));
@@ -267,6 +267,37 @@ TEST(StateDirectory, IsForOneCoordinatorAtATime) {
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, ErrorCode::kFailedPrecondition);
   EXPECT_THAT(second.error().message, HasSubstr("another coordinator runs on"));
+}
+
+TEST(StateDirectory, IsForOneCoordinatorEvenWithoutItsLockFile) {
+  const TemporaryFolder folder;
+  const auto first = StateDirectory::open(folder.path());
+  ASSERT_TRUE(first);
+  for (const bool is_made_again : {false, true}) {
+    std::filesystem::remove(folder.path() / "lock");
+    if (is_made_again) write_file(folder.path() / "lock", "");
+    EXPECT_EQ(StateDirectory::open(folder.path()).error().code, ErrorCode::kFailedPrecondition);
+    EXPECT_EQ(lock_existing_state(folder.path()).error().code, ErrorCode::kFailedPrecondition) << "--check";
+    EXPECT_EQ(lock_state_to_mend(folder.path()).error().code, ErrorCode::kFailedPrecondition) << "--salvage";
+    EXPECT_EQ(lock_new_state(folder.path()).error().code, ErrorCode::kFailedPrecondition) << "--restore";
+    EXPECT_TRUE(copy_database(folder.path(), folder.path() / (is_made_again ? "copy-2" : "copy-1")))
+        << "--backup reads beside the coordinator";
+  }
+  std::filesystem::remove(folder.path() / "lock");
+}
+
+// A backup of a state whose lock file is gone holds the coordinator's start off, too.
+TEST(StateDirectory, IsLockedWhileItIsRead) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(StateDirectory::open(folder.path()));
+  std::filesystem::remove(folder.path() / "lock");
+  {
+    const auto reading = lock_existing_state(folder.path());
+    ASSERT_TRUE(reading) << reading.error().message;
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "lock")) << "reading creates nothing";
+    EXPECT_EQ(StateDirectory::open(folder.path()).error().code, ErrorCode::kFailedPrecondition);
+  }
+  EXPECT_TRUE(StateDirectory::open(folder.path()));
 }
 
 TEST(StateDirectory, IsFreeAgainAfterwards) {

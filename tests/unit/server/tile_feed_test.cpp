@@ -85,7 +85,7 @@ TEST_F(TileFeed, HasTheImageToTheBit) {
   const watch::TileUpdate done = update(id);
   EXPECT_EQ(done.tiles.size(), 6u);
   EXPECT_TRUE(done.is_current);
-  EXPECT_TRUE(view_of(done).shows(ready_made_picture(kWidthPx, kHeightPx, kSpp)));
+  EXPECT_TRUE(view_of(done).shows(ready_made_image(kWidthPx, kHeightPx, kSpp)));
   for (const v1::TileImage& tile : done.tiles) {
     EXPECT_EQ(tile.samples(), kSpp);
     EXPECT_EQ(tile.samples_target(), kSpp);
@@ -104,7 +104,7 @@ TEST_F(TileFeed, HasWhatChangedSince) {
     work('a', 1);
     last = update(id, last.revision);
   }
-  EXPECT_TRUE(view.shows(ready_made_picture(kWidthPx, kHeightPx, kSpp)));
+  EXPECT_TRUE(view.shows(ready_made_image(kWidthPx, kHeightPx, kSpp)));
 }
 
 // A part at a time, while the tiles change.
@@ -121,7 +121,7 @@ TEST_F(TileFeed, HidesNoTileFromASlowWatcher) {
     since = part.revision;
     if (parts % 3 == 2) work('a', 1);
   }
-  EXPECT_TRUE(view.shows(ready_made_picture(kWidthPx, kHeightPx, kSpp)));
+  EXPECT_TRUE(view.shows(ready_made_image(kWidthPx, kHeightPx, kSpp)));
 }
 
 TEST_F(TileFeed, GoesOnAfterARestart) {
@@ -135,7 +135,7 @@ TEST_F(TileFeed, GoesOnAfterARestart) {
   EXPECT_THAT(update(id, before.revision).tiles, IsEmpty()) << "nothing has changed";
   work('a');
   for (const v1::TileImage& tile : update(id, before.revision).tiles) view.draw(tile);
-  EXPECT_TRUE(view.shows(ready_made_picture(kWidthPx, kHeightPx, kSpp)));
+  EXPECT_TRUE(view.shows(ready_made_image(kWidthPx, kHeightPx, kSpp)));
 }
 
 // The film is in the store alone then.
@@ -146,7 +146,7 @@ TEST_F(TileFeed, HasTheTilesOfAStoredJob) {
   ASSERT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
   for (int starts = 0; starts < 2; ++starts) {
     EXPECT_THAT(update(id, running.revision).tiles, IsEmpty());
-    EXPECT_TRUE(view_of(update(id)).shows(ready_made_picture(kWidthPx, kHeightPx, kSpp)));
+    EXPECT_TRUE(view_of(update(id)).shows(ready_made_image(kWidthPx, kHeightPx, kSpp)));
     open();
   }
 }
@@ -178,7 +178,7 @@ TEST_F(TileFeed, SendsAgainWhatARestartHasLost) {
   open(folder_.path() / "crashed");
   EXPECT_THAT(update(id, none).tiles, IsEmpty());
   work('a');
-  EXPECT_TRUE(view_of(update(id, lost.revision)).shows(ready_made_picture(kWidthPx, kHeightPx, kSpp)));
+  EXPECT_TRUE(view_of(update(id, lost.revision)).shows(ready_made_image(kWidthPx, kHeightPx, kSpp)));
 }
 
 TEST_F(TileFeed, EncodesEachRevisionOnceForAll) {

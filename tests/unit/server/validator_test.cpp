@@ -8,7 +8,7 @@
 #include "core/sandbox/confinement.hpp"
 #include "proto/blob.hpp"
 #include "server/validator/validator_process.hpp"
-#include "tests/support/hostile_pictures.hpp"
+#include "tests/support/hostile_images.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace tessera::validator {
@@ -201,7 +201,7 @@ TEST_F(Validator, NamesTheLimitOfMemory) {
                                        "(tessera-coordinator --validator-mib)"));
 }
 
-TEST_F(Validator, UnpacksNoMoreThanAPictureNeeds) {
+TEST_F(Validator, UnpacksNoMoreThanAnImageNeeds) {
   add_file("scene.json", R"({"camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]},
     "textures": {"t": {"file": "bomb.png"}}, "materials": {"m": {"type": "lambert", "albedo": {"texture": "t"}}},
     "shapes": [{"type": "sphere", "radius": 1, "material": "m"}]})");

@@ -15,7 +15,7 @@ using std::chrono::seconds;
 
 class Waiting : public ScriptedFarm {};
 
-TEST_F(Waiting, ASubmittedJobWakesThoseWhoWaitForWork) {
+TEST_F(Waiting, ASubmittedJobNotifiesIdleWaiters) {
   const WaitingCall first(coordinator(), greeting('a')), second(coordinator(), greeting('b'));
   EXPECT_FALSE(first.answered());
   EXPECT_FALSE(second.answered());
@@ -25,7 +25,7 @@ TEST_F(Waiting, ASubmittedJobWakesThoseWhoWaitForWork) {
   EXPECT_EQ(second.answer()->leases_size(), 1);
 }
 
-TEST_F(Waiting, EndsWellBeforeTheWorkerMustBeHeardOf) {
+TEST_F(Waiting, EndsWellBeforeTheHeartbeatTimeout) {
   const WaitingCall call(coordinator(), greeting('a'));
   now_ += milliseconds(3300);
   coordinator().dispatcher().tick();
@@ -53,7 +53,7 @@ TEST_F(Waiting, AWorkerThatHoldsWhatItShouldWaits) {
   EXPECT_FALSE(call.answered());
 }
 
-TEST_F(Waiting, AWorkerThatLacksTheJobOfItsLeaseIsToldAtOnce) {
+TEST_F(Waiting, AWorkerWithoutTheJobOfItsLeaseGetsItAtOnce) {
   submit();
   v1::SynchronizeRequest request = greeting('a');
   *request.mutable_held() = synchronize(request).leases();
@@ -120,7 +120,7 @@ TEST_F(WaitingWithAnswers, AJobThatTheWorkerDoesNotKnowComesWithItsLease) {
   EXPECT_EQ(answer.jobs(0).settings().width_px(), static_cast<std::uint32_t>(kWidthPx));
 }
 
-TEST_F(WaitingWithAnswers, TheWholePictureCanComeInThisWay) {
+TEST_F(WaitingWithAnswers, TheWholeImageCanComeInThisWay) {
   const std::string id = submit();
   v1::SynchronizeRequest request = hold_two();
   std::deque<v1::Lease> held(request.held().begin(), request.held().end());
@@ -133,8 +133,7 @@ TEST_F(WaitingWithAnswers, TheWholePictureCanComeInThisWay) {
   }
   deliver(delivery('a', held[0]));
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
-  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
-            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 // Leases in a message that the worker does not hold get it no others.
@@ -149,7 +148,7 @@ TEST_F(WaitingWithAnswers, NamingLeasesThatItDoesNotHoldBringsNone) {
   EXPECT_EQ(call.answer()->leases_size(), 2);
 }
 
-TEST_F(Waiting, CancellingAJobTellsWhoRendersIt) {
+TEST_F(Waiting, CancellingAJobNotifiesItsWorkers) {
   const std::string id = submit();
   v1::SynchronizeRequest request = greeting('a');
   *request.mutable_held() = synchronize(request).leases();
@@ -167,7 +166,7 @@ TEST_F(Waiting, AWorkerThatLeavesAndHoldsNothingIsNotKept) {
   EXPECT_EQ(synchronize(request).leases_size(), 0);
 }
 
-TEST_F(Waiting, WhoHasHungUpIsLeasedNothing) {
+TEST_F(Waiting, CancelledCallsGetNoLeases) {
   WaitingCall gone(coordinator(), greeting('a'));
   gone.leave();
   const WaitingCall waiting(coordinator(), greeting('b'));

@@ -81,7 +81,7 @@ TEST_F(WatchLimits, KeepPlacesForOthers) {
   for (const auto& watch : {first.get(), second.get(), others.get()}) watch->context.TryCancel();
 }
 
-TEST_F(WatchLimits, AWatcherWhoTakesNothingIsEnded) {
+TEST_F(WatchLimits, AStalledWatchIsEnded) {
   start({.watches = 2, .stall_time = std::chrono::seconds(3)});
   const std::string job = submit_now();
   const auto idle = user_with_window(16);

@@ -70,7 +70,7 @@ class Work : public ScriptedFarm {
   }
 };
 
-TEST_F(Work, AFarmComesToTheLocalPicture) {
+TEST_F(Work, AFarmComesToTheLocalImage) {
   const std::string id = submit();
   while (stored_job(id).state() == v1::JOB_STATE_RUNNING) {
     for (const char worker : {'a', 'b', 'c'}) work(worker, 1);
@@ -81,8 +81,7 @@ TEST_F(Work, AFarmComesToTheLocalPicture) {
   EXPECT_EQ(done.counters().samples(), kSamples);
   EXPECT_EQ(done.counters().closest_hit_rays(), 2 * kSamples);
   EXPECT_TRUE(done.has_finished_at());
-  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
-            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_image(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(Work, AJobTellsWhatHasHappenedToIt) {
@@ -180,7 +179,7 @@ TEST_F(Work, AResultThatComesTwiceIsDroppedTheSecondTime) {
   EXPECT_EQ(job(id).counters().samples(), counted.samples());
 }
 
-TEST_F(Work, AResultForAJobThatIsGoneIsDropped) {
+TEST_F(Work, AResultForADeletedJobIsDropped) {
   const std::string id = submit();
   const v1::Lease lease = synchronize(greeting('a')).leases(0);
   ASSERT_TRUE(coordinator().jobs().remove(id));
@@ -195,7 +194,7 @@ TEST_F(Work, AWorkerWithoutAProperIdIsRefused) {
   EXPECT_EQ(call.answer().error().code, ErrorCode::kInvalidArgument);
 }
 
-TEST_F(Work, AJobWhoseSceneNobodyCanBuildFails) {
+TEST_F(Work, AJobWithAnUnbuildableSceneFails) {
   const std::string id = submit(), other = submit();
   ASSERT_TRUE(coordinator().jobs().pause(other));
   for (const char worker : {'a', 'b', 'c'}) {
@@ -212,7 +211,7 @@ TEST_F(Work, AJobWhoseSceneNobodyCanBuildFails) {
   EXPECT_EQ(job(other).state(), v1::JOB_STATE_PAUSED);
 }
 
-TEST_F(Work, WhatKeepsAWorkerFromWorkIsToldToWhoeverWaits) {
+TEST_F(Work, AWorkersTroublesReachWaitingSubmitters) {
   const std::string id = submit(), other = submit();
   v1::SynchronizeRequest request = greeting('a');
   v1::Trouble& trouble = *request.add_troubles();
@@ -373,7 +372,7 @@ TEST_F(Work, SamplesThatKeepThreeWorkersFailTheirJob) {
   EXPECT_THAT(failure.workers(), testing::ElementsAre("host-a", "host-b", "host-c"));
 }
 
-TEST_F(Work, LiesAboutWhatIsRenderedCountAgainstNoSamples) {
+TEST_F(Work, FalseProgressReportsChangeNoSamples) {
   v1::SubmitJobRequest job = submission();
   job.mutable_overrides()->set_spp(64);
   submit(job);
@@ -398,7 +397,7 @@ TEST_F(Work, LiesAboutWhatIsRenderedCountAgainstNoSamples) {
   }
 }
 
-TEST_F(Work, TheLeaseOfASilentWorkerGoesToAnother) {
+TEST_F(Work, TheLeaseOfALostWorkerIsReassigned) {
   const std::string id = submit();
   const v1::Lease lost = synchronize(greeting('a')).leases(0);
   now_ += std::chrono::seconds(11);

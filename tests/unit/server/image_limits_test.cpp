@@ -11,9 +11,9 @@
 namespace tessera::rpc {
 namespace {
 
-using PictureLimits = LimitedService;
+using ImageLimits = LimitedService;
 
-TEST_F(PictureLimits, OneIsAlwaysMadeAndTheNextWaitsForItsMemory) {
+TEST_F(ImageLimits, OneIsAlwaysMadeAndTheNextWaitsForItsMemory) {
   start({.image_mib = 1});
   const std::string id = submit_large();
   const auto slow = begin_fetch(id);
@@ -23,7 +23,7 @@ TEST_F(PictureLimits, OneIsAlwaysMadeAndTheNextWaitsForItsMemory) {
   EXPECT_TRUE(finish_fetch(*next).ok());
 }
 
-TEST_F(PictureLimits, NobodyWaitsForMemoryLongerThanCallersMayStandStill) {
+TEST_F(ImageLimits, WaitsForMemoryEndWithTheStallTime) {
   start({.image_mib = 1, .stall_time = std::chrono::seconds(2)});
   const std::string id = submit_large();
   const auto slow = begin_fetch(id);
@@ -44,7 +44,7 @@ TEST_F(PictureLimits, NobodyWaitsForMemoryLongerThanCallersMayStandStill) {
   EXPECT_EQ(proto::error_from_grpc(status, refused->context).code, core::ErrorCode::kUnavailable);
 }
 
-TEST_F(PictureLimits, ALargePictureComesThroughHoweverManySmallOnesDo) {
+TEST_F(ImageLimits, ALargeImageComesThroughHoweverManySmallOnesDo) {
   start_with_names({.image_mib = 4});
   const auto ada = as("ada"), ben = as("ben");
   users_ = as("ada");
@@ -66,7 +66,7 @@ TEST_F(PictureLimits, ALargePictureComesThroughHoweverManySmallOnesDo) {
   }
 }
 
-TEST_F(PictureLimits, WhoLeavesWhileWaitingForMemoryHoldsUpNobody) {
+TEST_F(ImageLimits, ACancelledWaitForMemoryBlocksNoOther) {
   start({.image_mib = 1});
   const std::string id = submit_large();
   const auto slow = begin_fetch(id);
@@ -81,7 +81,7 @@ TEST_F(PictureLimits, WhoLeavesWhileWaitingForMemoryHoldsUpNobody) {
   EXPECT_TRUE(finish_fetch(*next).ok());
 }
 
-TEST_F(PictureLimits, APictureThatIsNotTakenIsEnded) {
+TEST_F(ImageLimits, AnImageThatIsNotTakenIsEnded) {
   start({.image_mib = 1, .stall_time = std::chrono::seconds(3)});
   const std::string id = submit_large();
   const auto slow = begin_fetch(id);
