@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
 #include <memory>
 #include <stop_token>
 
@@ -47,14 +48,21 @@ core::Status check_loader(const worker::LoaderOptions& loader) {
                                 [](const std::string& line) { spdlog::warn("{}", line); });
 }
 
+// Building a scene and rendering a piece take less, or there is something wrong; loading has a limit of its
+// own.
+constexpr std::chrono::hours kLongestStep{1};
+
 // Null if there is no address. The others must outlive it.
-core::Result<std::unique_ptr<common::MetricsServer>> serve_metrics(const std::string& address,
+core::Result<std::unique_ptr<common::MetricsServer>> serve_metrics(const worker::Options& options,
                                                                    const worker::Worker& worker,
                                                                    const worker::Identity& identity,
                                                                    const worker::BlobCache& cache) {
-  if (address.empty()) return nullptr;
+  if (options.metrics.empty()) return nullptr;
+  const auto longest_step = options.loader.time + kLongestStep;
   auto metrics = common::MetricsServer::start(
-      address, [&] { return worker::collect(worker.metrics(), identity, cache); });
+      options.metrics, [&] { return worker::collect(worker.metrics(), identity, cache); },
+      {.alive = [&worker, longest_step] { return worker::check_alive(worker.metrics(), longest_step); },
+       .ready = [&worker, longest_step] { return worker::check_ready(worker.metrics(), longest_step); }});
   if (metrics) spdlog::info("metrics at http://{}/metrics", (*metrics)->address());
   return metrics;
 }
@@ -131,12 +139,14 @@ int run(const worker::Options& options, char** arguments) {
     return worker::load_confined(options.loader, files, threads, stop);
   };
   worker::Worker worker(identity, *cache, *coordinator, std::move(how));
-  const auto metrics = serve_metrics(options.metrics, worker, identity, *cache);
+  const auto metrics = serve_metrics(options, worker, identity, *cache);
   if (!metrics) {
     spdlog::error("{}", metrics.error().message);
     return 1;
   }
-  common::ServiceReport report([&] { return worker::status_of(worker.metrics(), options.coordinator); });
+  common::ServiceReport report([&] {
+    return worker::status_of(worker.metrics(), options.coordinator, options.loader.time + kLongestStep);
+  });
   const std::stop_callback tell(signals.token(), [&] { report.stopping(); });
   signals.on_hangup([&, held = *credentials] {
     report.reloading();

@@ -54,8 +54,27 @@ void write_connection(common::MetricWriter& writer, const Metrics& metrics) {
 
 }  // namespace
 
-std::optional<std::string> status_of(const Metrics& metrics, const std::string& address) {
-  if (Metrics::Clock::now() > metrics.next_call_by.load()) return std::nullopt;
+core::Status check_alive(const Metrics& metrics, Metrics::Clock::duration longest_step) {
+  const auto now = Metrics::Clock::now();
+  if (now > metrics.next_call_by.load())
+    return core::fail(core::ErrorCode::kUnavailable, "the thread that calls the coordinator hangs");
+  const auto began = metrics.step_began.load();
+  if (began < now && now - began > longest_step)
+    return core::fail(core::ErrorCode::kUnavailable,
+                      fmt::format("no scene was built and no piece rendered for {} s",
+                                  std::chrono::floor<std::chrono::seconds>(now - began).count()));
+  return {};
+}
+
+core::Status check_ready(const Metrics& metrics, Metrics::Clock::duration longest_step) {
+  if (const core::Status alive = check_alive(metrics, longest_step); !alive) return alive;
+  if (metrics.connected) return {};
+  return core::fail(core::ErrorCode::kUnavailable, "the coordinator has not answered the last call");
+}
+
+std::optional<std::string> status_of(const Metrics& metrics, const std::string& address,
+                                     Metrics::Clock::duration longest_step) {
+  if (!check_alive(metrics, longest_step)) return std::nullopt;
   if (!metrics.connected) return "no connection to " + address;
   return fmt::format("connected to {}, with {} leases", address, metrics.leases_held.load());
 }

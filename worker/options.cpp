@@ -69,12 +69,12 @@ void add_loader_flags(CLI::App& app, LoaderOptions& loader) {
                  "Program that loads scenes [default: tessera-scene-loader beside this program]")
       ->type_name("FILE");
   app.add_option(kSceneMemoryFlag, loader.memory_mib,
-                 "Most MiB of memory for loading a scene [default: the memory that this process may use]")
+                 "Maximum MiB of memory for loading a scene [default: the memory that this process may use]")
       ->check(common::number_between(kMinSceneMib, kMaxSceneMib))
       ->type_name("N");
   app.add_option_function<std::int64_t>(
          kSceneSecondsFlag, [&loader](std::int64_t seconds) { loader.time = std::chrono::seconds(seconds); },
-         "Most seconds for loading a scene")
+         "Maximum seconds for loading a scene")
       ->check(common::number_between(std::int64_t{1}, kMaxSceneSeconds))
       ->type_name("N")
       ->default_str(std::to_string(loader.time.count()));
@@ -97,9 +97,10 @@ Options parse_options(int argc, char** argv) {
       ->envname(proto::kCoordinatorVariable)
       ->type_name("HOST:PORT")
       ->capture_default_str();
-  app.add_option("--threads", options.threads,
-                 "Number of threads [default: one per processor that this process may use: by control group, "
-                 "affinity mask, SLURM_CPUS_PER_TASK and OMP_NUM_THREADS]")
+  app.add_option(
+         "--threads", options.threads,
+         "Number of threads [default: one per processor that this process may use by control group and "
+         "affinity mask, at most SLURM_CPUS_PER_TASK or, without that, OMP_NUM_THREADS]")
       ->check(common::number_between(1u, kMaxThreads))
       ->type_name("N");
   app.add_option("--cache", options.cache,

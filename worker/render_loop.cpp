@@ -43,7 +43,11 @@ RenderLoop::RenderLoop(int threads, LeaseTracker& lease_tracker, Metrics& metric
 
 void RenderLoop::run(const std::stop_token& stop) {
   const auto size_piece = [this](const std::string& job_id) { return pace_.target_samples(job_id); };
-  while (const auto piece = lease_tracker_.take(stop, size_piece)) render(*piece, stop);
+  while (const auto piece = lease_tracker_.take(stop, size_piece)) {
+    metrics_.step_began = Metrics::Clock::now();
+    render(*piece, stop);
+    metrics_.step_began = Metrics::Clock::time_point::max();
+  }
 }
 
 // Cached scenes of other jobs may take the memory: a second attempt runs without them.
@@ -89,10 +93,11 @@ core::Status RenderLoop::try_to_render(const Piece& piece, const std::stop_token
     return {};
   }
   lease_tracker_.begins(piece);
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Metrics::Clock::now();
+  metrics_.step_began = start;
   const core::RenderPlan plan = (*plans)->get(piece.job->settings, threads_);
   core::FilmTile tile = render_(plan, piece.item.rect, piece.item.range, threads_);
-  const auto took = std::chrono::steady_clock::now() - start;
+  const auto took = Metrics::Clock::now() - start;
   const std::uint64_t samples = piece.item.rect.pixel_count() * piece.item.range.count();
   metrics_.samples_rendered += samples;
   Metrics::add(metrics_.render_ns, took);

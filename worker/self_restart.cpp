@@ -21,8 +21,8 @@ namespace tessera::worker {
 namespace {
 
 // The number of starts in a row, up to this one, whose predecessor rendered nothing and restarted itself.
-constexpr const char* kBarrenStarts = "TESSERA_WORKER_BARREN_STARTS";
-constexpr int kMaxBarrenStarts = 100;
+constexpr const char* kFailedRestarts = "TESSERA_WORKER_FAILED_RESTARTS";
+constexpr int kMaxFailedRestarts = 100;
 
 // With OMP_PROC_BIND every thread is bound to some processors, and the new program would inherit them.
 void spread_over_all_places() {
@@ -37,12 +37,12 @@ void spread_over_all_places() {
 }
 
 int failed_restarts() {
-  const char* const text = std::getenv(kBarrenStarts);
-  return text == nullptr ? 0 : std::clamp(std::atoi(text), 0, kMaxBarrenStarts);
+  const char* const text = std::getenv(kFailedRestarts);
+  return text == nullptr ? 0 : std::clamp(std::atoi(text), 0, kMaxFailedRestarts);
 }
 
 [[noreturn]] void self_restart(char** arguments, int failed_restarts) {
-  setenv(kBarrenStarts, std::to_string(failed_restarts).c_str(), 1);
+  setenv(kFailedRestarts, std::to_string(failed_restarts).c_str(), 1);
   spread_over_all_places();
   spdlog::info("restarting, since threads that render for ever cannot be ended in another way");
   common::flush_log();
@@ -55,9 +55,9 @@ int failed_restarts() {
 }  // namespace
 
 Worker::Options with_self_restart(char** arguments, StopSignals& signals) {
-  const int barren = failed_restarts();
+  const int failed = failed_restarts();
   return {
-      .hang_timeout = [barren](const UnwantedPiece& piece) { return compute_hang_timeout(piece, barren); },
+      .hang_timeout = [failed](const UnwantedPiece& piece) { return compute_hang_timeout(piece, failed); },
       .self_restart =
           [=, &signals](const UnwantedPiece& piece, bool must_end) {
             signals.leave_pending();
@@ -65,7 +65,7 @@ Worker::Options with_self_restart(char** arguments, StopSignals& signals) {
               common::flush_log();
               _exit(EXIT_SUCCESS);
             }
-            self_restart(arguments, piece.first ? barren + 1 : 0);
+            self_restart(arguments, piece.first ? failed + 1 : 0);
           }};
 }
 

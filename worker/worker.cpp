@@ -30,6 +30,12 @@ std::optional<core::SceneStore> open_scene_store(const BlobCache& cache) {
   return std::nullopt;
 }
 
+void log_traffic(const BlobCache::Traffic& traffic) {
+  spdlog::info("has fetched {} bytes of scene files, {} of them from other workers, and sent {} to others",
+               traffic.received_bytes.load(), traffic.peer_received_bytes.load(),
+               traffic.peer_sent_bytes.load());
+}
+
 long seconds(Duration time) {
   return static_cast<long>(std::chrono::round<std::chrono::seconds>(time).count());
 }
@@ -99,6 +105,7 @@ void Worker::run(const std::stop_token& stop) {
   deliver_thread.join();
   sync.deregister();
   spdlog::info("has rendered {} samples", metrics_.samples_rendered.load());
+  log_traffic(cache_.traffic());
   if (endless) options_.self_restart(*endless, told_to_stop);
   render_thread.join();
 }

@@ -155,7 +155,7 @@ void block_stderr() {
   ::dup2(ends[1], STDERR_FILENO);
 }
 
-TEST(LogDeathTest, NobodyWaitsForStderr) {
+TEST(LogDeathTest, NoThreadWaitsForStderr) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(
       {

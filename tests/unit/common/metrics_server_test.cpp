@@ -9,6 +9,7 @@
 
 #include <cstring>
 
+#include <atomic>
 #include <string>
 
 namespace tessera::common {
@@ -63,6 +64,32 @@ TEST(MetricsServer, AnswersWithTheTextOfPrometheus) {
                                   "# TYPE tessera_tests_total counter\n"
                                   "tessera_tests_total{name=\"a\\\\b\\nc\\\"d\"} 2\n"));
   EXPECT_THAT(get(port_of(**server), "/other"), HasSubstr("404"));
+}
+
+TEST(MetricsServer, SaysHowTheProgramIs) {
+  std::atomic<bool> is_alive{true}, is_ready{false};
+  const auto check = [](const std::atomic<bool>& holds) {
+    return holds ? core::Status() : core::fail(core::ErrorCode::kUnavailable, "no coordinator");
+  };
+  const auto server = MetricsServer::start(
+      "127.0.0.1:0", one_metric,
+      {.alive = [&] { return check(is_alive); }, .ready = [&] { return check(is_ready); }});
+  ASSERT_TRUE(server) << server.error().message;
+  const int port = port_of(**server);
+  EXPECT_THAT(get(port, "/healthz"), testing::ContainsRegex("^HTTP/1.[01] 200 "));
+  EXPECT_THAT(get(port, "/readyz"),
+              AllOf(testing::ContainsRegex("^HTTP/1.[01] 503 "), HasSubstr("\r\n\r\nno coordinator\n")));
+  is_alive = false;
+  is_ready = true;
+  EXPECT_THAT(get(port, "/healthz"), testing::ContainsRegex("^HTTP/1.[01] 503 "));
+  EXPECT_THAT(get(port, "/readyz"), testing::ContainsRegex("^HTTP/1.[01] 200 "));
+}
+
+TEST(MetricsServer, HasNoHealthOfAProgramThatDoesNotTellIt) {
+  const auto server = MetricsServer::start("127.0.0.1:0", one_metric);
+  ASSERT_TRUE(server) << server.error().message;
+  for (const char* const path : {"/healthz", "/readyz"})
+    EXPECT_THAT(get(port_of(**server), path), testing::ContainsRegex("^HTTP/1.[01] 404 ")) << path;
 }
 
 // The test is on one machine: 127.0.0.2 stands for another interface.

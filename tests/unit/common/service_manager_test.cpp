@@ -108,7 +108,7 @@ TEST_F(ServiceManagerTest, GetsNoSignOfLifeOfAProcessThatDoesNotWork) {
   EXPECT_EQ(socket_.receive(), "STOPPING=1\nSTATUS=stopping");
 }
 
-TEST_F(ServiceManagerTest, IsNeededByNobody) {
+TEST_F(ServiceManagerTest, IsOptional) {
   unsetenv("NOTIFY_SOCKET");
   EXPECT_TRUE(ServiceManager::from_environment().send("READY=1"));
   {

@@ -67,7 +67,7 @@ TEST_F(Confined, ReachesNoNetwork) {
   expect_refused([] { return socket(AF_INET, SOCK_STREAM, 0); });
 }
 
-TEST_F(Confined, HarmsNoOtherProcess) {
+TEST_F(Confined, AffectsNoOtherProcess) {
   const pid_t parent = getpid();
   expect_refused([&] { return kill(parent, 0); });
   rlimit limit{};
@@ -232,7 +232,7 @@ TEST_F(Confined, OpensNoFileByLandlockAlone) {
   EXPECT_EQ(status, 0);
 }
 
-TEST_F(Confined, IsForNobodyWhoHasGone) {
+TEST_F(Confined, EndsWithItsClient) {
   EXPECT_EQ(status_of([] { return confine({.parent = 1'000'000'000}) ? 1 : 0; }), 0);
 }
 

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/integrators/fingerprint.hpp"
+#include "core/scene/cache/scene_store.hpp"
 #include "fake_coordinator.hpp"
 #include "proto/worker_key.hpp"
 #include "worker/machine_key.hpp"
@@ -82,6 +84,36 @@ TEST_F(BlobCacheTest, FilesInUseStayAndNothingExceedsTheLimit) {
   EXPECT_EQ(files(), 1u);
   EXPECT_TRUE(cache->get(proto::digest_of(other), {}, source_, {}).has_value());
   EXPECT_FALSE(fs::exists(used));
+}
+
+// Blobs of many sizes and built scenes, at a limit that two scenes reach.
+TEST_F(BlobCacheTest, BlobsAndScenesTogetherNeverExceedTheLimit) {
+  const auto build = [](const core::SceneStore& store, std::size_t key) {
+    auto prepared = store.prepare(std::to_string(key), 1, [] { return core::fingerprint_scene(); });
+    const bool was_kept = prepared->bvh.has_value();
+    EXPECT_TRUE(core::build_scene(std::move(*prepared), 1));
+    return was_kept;
+  };
+  const auto ignore = [](const std::string&) {};
+  build(*core::SceneStore::open(folder_ / "one", UINT64_MAX, ignore), 0);
+  const std::size_t scene_bytes = fs::file_size(fs::directory_iterator(folder_ / "one")->path());
+  const auto cache = BlobCache::open(folder_ / "cache", 2 * scene_bytes);
+  const auto store =
+      core::SceneStore::open(cache->folder(), cache->max_bytes(), ignore, BlobCache::is_file_name);
+  int scenes_kept = 0;
+  for (std::size_t i = 1; i <= 40; ++i) {
+    const std::string blob(i * 7919 % scene_bytes, static_cast<char>(i));
+    coordinator_.keep_blob(proto::to_proto(proto::digest_of(blob)).sha256(), blob);
+    const auto path = cache->get(proto::digest_of(blob), {}, source_, {});
+    ASSERT_TRUE(path.has_value()) << path.error().message;
+    EXPECT_LE(cache->used_bytes(), cache->max_bytes());
+    if (i % 2 == 0)  // no longer presumed to be in use
+      fs::last_write_time(*path, fs::file_time_type::clock::now() - std::chrono::hours(2));
+    build(*store, i);
+    EXPECT_LE(cache->used_bytes(), cache->max_bytes());
+    if (build(*store, i)) ++scenes_kept;
+  }
+  EXPECT_GT(scenes_kept, 0);
 }
 
 TEST_F(BlobCacheTest, FilesOfOthersStay) {

@@ -33,7 +33,7 @@ TEST(HangTimeout, GivesTheCoordinatorTimeToCountTheWorker) {
   EXPECT_EQ(compute_hang_timeout(unwanted(10s, 2s, false), 0), 200s);
 }
 
-TEST(HangTimeout, IsLongerWhereTheCoordinatorWasPatient) {
+TEST(HangTimeout, GrowsWithTheLeaseTimeout) {
   EXPECT_EQ(compute_hang_timeout(unwanted(10s, 1000s, false), 0), 2000s);
 }
 
@@ -57,11 +57,11 @@ TEST(HangTimeout, IsNoLongerForAWorkerThatIsToStop) {
   EXPECT_EQ(compute_hang_timeout(piece, 3), 200s);
 }
 
-TEST(HangTimeout, IsToldFromStartToStart) {
+TEST(HangTimeout, IsPassedAcrossRestarts) {
   sigset_t signals_before;
   pthread_sigmask(SIG_SETMASK, nullptr, &signals_before);
   const auto hang_timeout_after = [](const char* failed_restarts) {
-    setenv("TESSERA_WORKER_BARREN_STARTS", failed_restarts, 1);
+    setenv("TESSERA_WORKER_FAILED_RESTARTS", failed_restarts, 1);
     StopSignals signals;
     return with_self_restart(nullptr, signals).hang_timeout(unwanted(10s, 100s, true));
   };
@@ -69,7 +69,7 @@ TEST(HangTimeout, IsToldFromStartToStart) {
   EXPECT_EQ(hang_timeout_after("2"), 800s);
   EXPECT_EQ(hang_timeout_after("-1"), 200s);
   EXPECT_EQ(hang_timeout_after("none"), 200s);
-  unsetenv("TESSERA_WORKER_BARREN_STARTS");
+  unsetenv("TESSERA_WORKER_FAILED_RESTARTS");
   pthread_sigmask(SIG_SETMASK, &signals_before, nullptr);
 }
 
@@ -118,7 +118,7 @@ class EndlessPieceTest : public ::testing::Test {
   std::stop_source stop_;
 };
 
-TEST_F(EndlessPieceTest, IsOneThatNobodyWantsAnyMore) {
+TEST_F(EndlessPieceTest, IsOneWhoseLeaseWasRevoked) {
   auto endless = watch();
   render(begin_next());
   const Piece second = begin_next();
@@ -130,7 +130,7 @@ TEST_F(EndlessPieceTest, IsOneThatNobodyWantsAnyMore) {
   EXPECT_FALSE(found->first);
 }
 
-TEST_F(EndlessPieceTest, IsNotSoughtAfterAStop) {
+TEST_F(EndlessPieceTest, IsIgnoredAfterAStop) {
   begin_next();
   auto endless = watch();
   stop_.request_stop();
@@ -190,7 +190,7 @@ class Renderer {
   std::promise<void> hangs_, released_;
 };
 
-TEST(EndlessWorker, DeliversSaysWhatItIsAtAndStartsAnew) {
+TEST(EndlessWorker, DeliversReportsItsWorkAndRestarts) {
   const TemporaryFolder folder;
   const auto cache = BlobCache::open(folder.path(), 1 << 20);
   ASSERT_TRUE(cache.has_value());

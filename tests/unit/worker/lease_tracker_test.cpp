@@ -63,7 +63,7 @@ class LeaseTrackerTest : public ::testing::Test {
   LeaseTracker lease_tracker_{{.delays = {.first = 0s, .longest = 0s}}};
 };
 
-TEST_F(LeaseTrackerTest, HoldsWhatItIsToldTo) {
+TEST_F(LeaseTrackerTest, HoldsAssignedLeases) {
   EXPECT_EQ(report().wanted_leases(), 2u);
   EXPECT_TRUE(lease_tracker_.apply(answer({lease(1, "a", 0, 4), lease(2, "a", 4, 8)}, {"a"})));
   EXPECT_EQ(held(), (std::vector<std::uint64_t>{1, 2}));
@@ -85,7 +85,7 @@ TEST_F(LeaseTrackerTest, ALeaseOfAnUnknownJobIsNotTaken) {
   EXPECT_TRUE(held().empty());
 }
 
-TEST_F(LeaseTrackerTest, WorkOutsideThePictureIsNotTaken) {
+TEST_F(LeaseTrackerTest, WorkOutsideTheImageIsNotTaken) {
   v1::Lease outside = lease(1, "a", 0, 4);
   outside.mutable_items(0)->mutable_rect()->set_x1(513);
   lease_tracker_.apply(answer({outside}, {"a"}));
@@ -150,7 +150,7 @@ TEST_F(LeaseTrackerTest, SaysWhichSamplesItIsAt) {
       << "what is rendered waits to be delivered";
 }
 
-TEST_F(LeaseTrackerTest, WakesWhoWaitsForWork) {
+TEST_F(LeaseTrackerTest, NotifiesIdleWaiters) {
   auto fetched = std::async(std::launch::async, [&] { return lease_tracker_.next_to_fetch({}); });
   auto taken = std::async(std::launch::async, [&] { return take(); });
   auto delivery = std::async(std::launch::async, [&] { return lease_tracker_.next_delivery({}); });
@@ -161,7 +161,7 @@ TEST_F(LeaseTrackerTest, WakesWhoWaitsForWork) {
   EXPECT_TRUE(delivery.get()->lease_finished);
 }
 
-TEST_F(LeaseTrackerTest, AStopWakesEveryoneEmptyHanded) {
+TEST_F(LeaseTrackerTest, AStopNotifiesAllWaitersWithoutWork) {
   std::stop_source stop;
   auto fetched =
       std::async(std::launch::async, [&] { return lease_tracker_.next_to_fetch(stop.get_token()); });
@@ -336,7 +336,7 @@ TEST_F(LeaseTrackerTest, AFinishedLeaseNamesTheOthers) {
   EXPECT_EQ(delivery->held_besides, (std::vector<std::uint64_t>{2, 3}));
 }
 
-TEST_F(LeaseTrackerTest, WhoTakesNothingMoreNamesNone) {
+TEST_F(LeaseTrackerTest, ADrainingWorkerListsNoLeases) {
   lease_tracker_.apply(answer({lease(1, "a", 0, 1), lease(2, "a", 1, 2)}, {"a"}));
   make_ready("a");
   render(take());
@@ -380,7 +380,7 @@ TEST_F(LeaseTrackerTest, TakesNoLeaseTwiceThatBothAnswersBring) {
   EXPECT_EQ(held(), (std::vector<std::uint64_t>{2, 3}));
 }
 
-TEST_F(LeaseTrackerTest, ForgetsJobsItHasNotHeardOfForLong) {
+TEST_F(LeaseTrackerTest, ForgetsJobsAfterATimeout) {
   for (int i = 0; i < 40; ++i) {
     const std::string job = "job" + std::to_string(i);
     lease_tracker_.apply(answer({lease(1, job, 0, 1)}, {job}));

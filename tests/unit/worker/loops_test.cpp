@@ -113,7 +113,7 @@ TEST_F(LoopsTest, AWorkerWithWrongCredentialsTriesAgain) {
   EXPECT_EQ(coordinator_.wait_for_syncs(4)[3].held_size(), 1);
 }
 
-TEST_F(LoopsTest, AWorkerThatIsToldToStopSynchronizesNoMore) {
+TEST_F(LoopsTest, AStoppedWorkerDoesNotSynchronize) {
   coordinator_.answer_with({give_lease, [](const auto&, auto& response) {
                               response.set_stop(true);
                               return grpc::Status::OK;
@@ -203,7 +203,7 @@ TEST_F(SceneFilesTest, AreFetchedAgainWhenTheCacheHasLostThem) {
   EXPECT_EQ(refusal({{"scene.json", folder_ + "/gone"}}), "");
 }
 
-TEST_F(SceneFilesTest, ThatAreHereAndMakeNoSceneAreToBlame) {
+TEST_F(SceneFilesTest, ThatAreInvalidFailTheJob) {
   std::ofstream(folder_ + "/scene") << "no scene";
   EXPECT_NE(refusal({{"scene.json", folder_ + "/scene"}}), "");
 }
@@ -248,6 +248,7 @@ TEST_F(LoopsTest, AJobThatTakesTooMuchMemoryIsDeclinedAndTheWorkerGoesOn) {
   Metrics metrics;
   RenderLoop render(1, lease_tracker, metrics, confined(), {},
                     [&](const auto&, auto rect, auto range, int) -> core::FilmTile {
+                      EXPECT_LE(metrics.step_began.load(), Metrics::Clock::now());
                       if (++renders == 1) throw std::bad_alloc();
                       return core::FilmTile(rect, range);
                     });
@@ -266,7 +267,10 @@ TEST_F(LoopsTest, AJobThatTakesTooMuchMemoryIsDeclinedAndTheWorkerGoesOn) {
   lease_tracker.apply(response);
   lease_tracker.next_to_fetch({});
   lease_tracker.fetched(job);
-  EXPECT_EQ(lease_tracker.next_delivery({})->tiles.size(), 1u);
+  EXPECT_FALSE(lease_tracker.next_delivery({})->tiles.empty());
+  thread.request_stop();
+  thread.join();
+  EXPECT_EQ(metrics.step_began.load(), Metrics::Clock::time_point::max()) << "it waits for work";
 }
 
 TEST_F(LoopsTest, AFileWithManyNamesIsFetchedOnce) {
@@ -296,7 +300,7 @@ TEST_F(LoopsTest, AFileWithManyNamesIsFetchedOnce) {
   }
 }
 
-TEST_F(LoopsTest, AJobWhoseFilesAreGoneIsGivenBack) {
+TEST_F(LoopsTest, AJobWithoutItsFilesIsReturned) {
   LeaseTracker lease_tracker({.delays = {.first = 0s, .longest = 0s}});
   v1::SynchronizeResponse response;
   give_lease({}, response);

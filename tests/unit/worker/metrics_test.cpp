@@ -9,6 +9,7 @@
 namespace tessera::worker {
 namespace {
 
+using namespace std::chrono_literals;
 using test::metric_value;
 
 class WorkerMetrics : public testing::Test {
@@ -31,14 +32,37 @@ TEST_F(WorkerMetrics, AreDocumentedEachAndNoOthers) {
 }
 
 TEST_F(WorkerMetrics, AreALineForTheServiceManagerWhileTheWorkerCallsTheCoordinator) {
-  EXPECT_EQ(status_of(metrics_, "farm:7420"), "no connection to farm:7420");
+  const auto status = [this] { return status_of(metrics_, "farm:7420", 1h); };
+  EXPECT_EQ(status(), "no connection to farm:7420");
   metrics_.connected = true;
   metrics_.leases_held = 3;
-  EXPECT_EQ(status_of(metrics_, "farm:7420"), "connected to farm:7420, with 3 leases");
-  metrics_.next_call_by = Metrics::Clock::now() + std::chrono::hours(1);
-  EXPECT_TRUE(status_of(metrics_, "farm:7420"));
-  metrics_.next_call_by = Metrics::Clock::now() - std::chrono::milliseconds(1);
-  EXPECT_FALSE(status_of(metrics_, "farm:7420"));
+  EXPECT_EQ(status(), "connected to farm:7420, with 3 leases");
+  metrics_.next_call_by = Metrics::Clock::now() + 1h;
+  EXPECT_TRUE(status());
+  metrics_.next_call_by = Metrics::Clock::now() - 1ms;
+  EXPECT_FALSE(status());
+}
+
+TEST_F(WorkerMetrics, SayThatAWorkerIsAliveAlsoWithoutCoordinator) {
+  EXPECT_TRUE(check_alive(metrics_, 1h));
+  EXPECT_FALSE(check_ready(metrics_, 1h));
+  metrics_.connected = true;
+  EXPECT_TRUE(check_ready(metrics_, 1h));
+}
+
+TEST_F(WorkerMetrics, SayThatAWorkerIsNotAliveIfEitherThreadHangs) {
+  metrics_.connected = true;
+  metrics_.step_began = Metrics::Clock::now() - 30min;
+  EXPECT_TRUE(check_ready(metrics_, 1h)) << "a large scene";
+  metrics_.step_began = Metrics::Clock::now() - 90min;
+  EXPECT_FALSE(check_alive(metrics_, 1h)) << "rendering";
+  EXPECT_FALSE(check_ready(metrics_, 1h));
+  EXPECT_FALSE(status_of(metrics_, "farm:7420", 1h));
+  metrics_.step_began = Metrics::Clock::time_point::max();
+  EXPECT_TRUE(check_alive(metrics_, 1h)) << "waiting for work";
+  metrics_.next_call_by = Metrics::Clock::now() - 1ms;
+  EXPECT_FALSE(check_alive(metrics_, 1h)) << "synchronising";
+  EXPECT_FALSE(check_ready(metrics_, 1h));
 }
 
 TEST_F(WorkerMetrics, ShowWhatTheWorkerHasCounted) {

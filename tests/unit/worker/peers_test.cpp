@@ -106,7 +106,7 @@ TEST_F(PeersTest, AWorkerSendsWhatItHasToHoldersOfATicket) {
   EXPECT_EQ(there_.traffic().peer_sent_bytes.load(), blob_.size());
 }
 
-TEST_F(PeersTest, NobodyElseGetsAnything) {
+TEST_F(PeersTest, OthersAreRefused) {
   v1::PeerReferral forged = referral(0, "forged");
   forged.mutable_ticket()->set_signature(std::string(32, 'x'));
   EXPECT_EQ(client_.fetch(digest_, forged, {}).error().code, core::ErrorCode::kPermissionDenied);
@@ -159,7 +159,7 @@ TEST_F(PeersTest, ABlobComesFromTheCoordinatorAndFromWorkers) {
   EXPECT_EQ(here_.traffic().received_bytes.load(), blob_.size());
 }
 
-TEST_F(PeersTest, ABadWorkerIsNotAskedAgainAndHurtsNobody) {
+TEST_F(PeersTest, ACorruptPeerIsNotUsedAgain) {
   std::vector<int> excluded;
   coordinator_.answer_downloads_with([&](const v1::FetchBlobRequest& request, auto& writer) {
     const auto held = proto::SegmentSet::from_bytes(request.segment().held(), 3);
