@@ -15,9 +15,9 @@ class StreamBudget {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // About two percent of a core: a full update of 8 MB of a 1080p image twice a second for one viewer, or its
-  // coarser levels for 200.
-  static constexpr double kBytesPerSecond = 16 << 20;
+  // Some four percent of a core: a full update of 8 MB of a 1080p image four times a second for one viewer, or
+  // its coarser levels for 200.
+  static constexpr double kBytesPerSecond = 32 << 20;
   // What a new viewer is sent of its first image without delay, also while that grows: more than a 1080p
   // image.
   static constexpr double kFirstBytes = 16 << 20;

@@ -37,7 +37,7 @@ core::Result<core::PixelRect> parse_region(const std::string& text) {
   for (std::size_t i = 0; i < sides.size(); ++i) {
     const auto [rest, wrong] = std::from_chars(at, end, sides[i]);
     const bool is_last = i + 1 == sides.size();
-    if (wrong != std::errc() || sides[i] < 0 || sides[i] > core::kMaxPictureSidePx) return broken();
+    if (wrong != std::errc() || sides[i] < 0 || sides[i] > core::kMaxImageSidePx) return broken();
     if (is_last ? rest != end : rest == end || *rest != ',') return broken();
     at = rest + 1;
   }

@@ -7,6 +7,7 @@ import {axe, launch, open} from './page.mjs';
 
 const kTokens = [
   'submit alice alice-has-this-token',
+  'watch vera vera-may-only-look-here',
   'submit bob bob-has-this-token-too',
   'work farm workers-have-this-token shared',
   'admin root root-has-this-token-as-well',
@@ -76,6 +77,21 @@ test('a user cannot change the jobs of others, and is told why', async () => {
   const drain = page.getByRole('button', {name: 'Drain worker-1'});
   await drain.waitFor();
   assert.match(await drain.getAttribute('title'), /administrators/);
+  await page.context().close();
+});
+
+test('a viewer sees everything and can do nothing', async () => {
+  const page = await logIn('vera', `#/jobs/${id}`);
+  const pause = page.getByRole('button', {name: 'Pause'});
+  await pause.waitFor();
+  assert.equal(await pause.getAttribute('aria-disabled'), 'true');
+  assert.match(await pause.getAttribute('title'), /role of vera \(watch\) does not allow changes/);
+  const status = await page.evaluate(
+    async (job) =>
+      (await fetch(`api/v1/jobs/${job}/pause`, {method: 'POST', headers: {'X-Tessera': '1'}})).status,
+    id,
+  );
+  assert.equal(status, 403);
   await page.context().close();
 });
 

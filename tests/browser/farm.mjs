@@ -187,7 +187,7 @@ export class Farm {
     });
     if (!response.ok) throw new Error(`${path}: ${response.status} ${await response.text()}`);
     const type = response.headers.get('content-type');
-    return type.startsWith('application/json') ? response.json() : Buffer.from(await response.arrayBuffer());
+    return type?.startsWith('application/json') ? response.json() : Buffer.from(await response.arrayBuffer());
   }
 
   async waitForState(id, state, ms = 180000) {

@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import {after, before, test} from 'node:test';
 import {Farm, until} from './farm.mjs';
 import {launch, open} from './page.mjs';
+import {quarantineWorker} from './wrong_worker.mjs';
 
 const kHostile = '<img src=x onerror="window.hacked=1"><b>bold</b>&amp;';
 let farm, browser, page;
@@ -92,6 +93,115 @@ test('a worker drains, and takes leases again', async () => {
   await page.locator('.workers .state', {hasText: /working|idle/}).waitFor();
 });
 
+const names = () => page.locator('.jobs a.job-name').allTextContents();
+const areNamed = (...wanted) =>
+  until(`the jobs ${wanted}`, async () => JSON.stringify(await names()) === JSON.stringify(wanted));
+
+test('the tables are sorted and filtered', async () => {
+  for (const [name, priority, end] of [
+    ['sorted a', '1', 'pause'],
+    ['sorted b', '3', 'pause'],
+    ['sorted c', '2', 'cancel'],
+  ]) {
+    const options = ['--size', '64x64', '--spp', '100000', '--name', name, '--priority', priority];
+    const id = await farm.submit(options);
+    await farm.api(`jobs/${id}/${end}`, {method: 'POST'});
+  }
+  await page.getByRole('searchbox').fill('sorted');
+  // Unfinished ones first, in the order in which they are served.
+  await areNamed('sorted b', 'sorted a', 'sorted c');
+  const heading = (name) => page.locator('.jobs').getByRole('columnheader', {name, exact: true});
+  const sortBy = async (name, order) => {
+    await heading(name).getByRole('button').click();
+    assert.equal(await heading(name).getAttribute('aria-sort'), order);
+  };
+  await sortBy('Job', 'ascending');
+  await areNamed('sorted a', 'sorted b', 'sorted c');
+  await sortBy('Job', 'descending');
+  await areNamed('sorted c', 'sorted b', 'sorted a');
+  await sortBy('Priority', 'ascending');
+  await areNamed('sorted b', 'sorted c', 'sorted a');
+  await sortBy('State', 'ascending');
+  await areNamed('sorted b', 'sorted a', 'sorted c');
+  await sortBy('State', 'descending');
+  await areNamed('sorted c', 'sorted b', 'sorted a');
+  await sortBy('State', null);
+  await areNamed('sorted b', 'sorted a', 'sorted c');
+
+  const chip = (name) => page.getByRole('group', {name: 'Filter by state'}).getByRole('button', {name});
+  const {jobs} = await farm.api('jobs');
+  const cancelled = jobs.filter((job) => job.state === 'cancelled').length;
+  await chip(`Cancelled ${cancelled}`).click();
+  await areNamed('sorted c');
+  assert.match(page.url(), /show=cancelled/);
+  await page.reload();
+  await areNamed('sorted c');
+  assert.equal(await page.getByRole('searchbox').inputValue(), 'sorted');
+  assert.equal(await chip('Cancelled').getAttribute('aria-pressed'), 'true');
+  await chip('Active').click();
+  await areNamed('sorted b', 'sorted a');
+  await chip('Done').click();
+  await page.getByText('No job matches.').waitFor();
+  await chip('All').click();
+  await page.getByRole('searchbox').fill('');
+  await isState('first', /running|queued/);
+});
+
+test('a worker is released from quarantine', async () => {
+  const id = await quarantineWorker(farm, 'wrong');
+  const worker = page.getByRole('row').filter({hasText: 'wrong'});
+  await worker.locator('.state', {hasText: 'quarantined'}).waitFor();
+  await page.getByRole('button', {name: 'Release… wrong'}).click();
+  await page.getByText('3 of its results in a row were rejected').last().waitFor();
+  await page.getByRole('button', {name: 'Keep as it is'}).click();
+  assert.equal((await farm.api('quarantine')).entries.length, 1);
+  await page.getByRole('button', {name: 'Release… wrong'}).click();
+  await page.getByRole('button', {name: 'Release', exact: true}).click();
+  await page.getByText('Released wrong').waitFor();
+  assert.deepEqual((await farm.api('quarantine')).entries, []);
+  const {workers} = await farm.api(`workers?prefix=${id}`);
+  assert.notEqual(workers[0]?.state, 'quarantined');
+  await page.getByRole('button', {name: 'Release… wrong'}).waitFor({state: 'detached'});
+});
+
+// The heights of a plot's points, from 0 to 32.
+const plot = (label) =>
+  page.evaluate((text) => {
+    const figures = [...document.querySelectorAll('.figure')];
+    const figure = figures.find((each) => each.querySelector('h2').textContent === text);
+    const points = figure.querySelector('.plot-line').getAttribute('d').slice(1).split('L');
+    return points.map((point) => 35 - Number(point.split(' ')[1]));
+  }, label);
+
+test('the plots follow the activity', async () => {
+  const {jobs} = await farm.api('jobs?state=running');
+  await until('a plot of running jobs', async () => {
+    const heights = await plot('Running jobs');
+    return heights.length > 2 && heights.at(-1) > 0;
+  });
+  const change = (verb) => Promise.all(jobs.map(({id}) => farm.api(`jobs/${id}/${verb}`, {method: 'POST'})));
+  await change('pause');
+  for (const label of ['Running jobs', 'Samples/s', 'Busy workers'])
+    await until(`${label} at the base line`, async () => (await plot(label)).at(-1) === 0);
+  assert.ok((await plot('Running jobs')).some((height) => height === 32), 'the past stays');
+  await until('a sample of the pause', async () => (await farm.api('activity')).samples.at(-1)[2] === 0);
+  const {length} = await plot('Busy workers');
+  await change('resume');
+  for (const label of ['Running jobs', 'Samples/s', 'Busy workers'])
+    await until(`${label} above the base line`, async () => (await plot(label)).at(-1) > 0);
+  await until('another point', async () => (await plot('Busy workers')).length > length);
+
+  // A page that is opened later has the past.
+  const past = await plot('Running jobs');
+  const shown = page;
+  page = await open(browser, farm.url);
+  // By itself it would have one point in this time.
+  await until('the past', async () => (await plot('Running jobs')).length >= past.length, 9000);
+  assert.ok((await plot('Running jobs')).some((height) => height === 0), 'all jobs were paused');
+  await page.context().close();
+  page = shown;
+});
+
 test('the keyboard reaches everything', async () => {
   await page.locator('body').press('/');
   assert.ok(await page.getByRole('searchbox').evaluate((element) => element === document.activeElement));
@@ -106,5 +216,22 @@ test('the keyboard reaches everything', async () => {
   await page.getByRole('heading', {name: 'Submit a scene'}).waitFor();
   await page.keyboard.press('g');
   await page.getByRole('heading', {name: 'Jobs', exact: true}).waitFor();
+  assert.deepEqual(page.errors, []);
+});
+
+test('a restart of the coordinator is survived', async () => {
+  const {jobs} = await farm.api('jobs');
+  const unfinished = jobs.filter((job) => job.state !== 'cancelled').length;
+  await farm.killCoordinator();
+  await page.getByText('Reconnecting…').waitFor();
+  await farm.startCoordinator();
+  await page.getByText('Live', {exact: true}).waitFor();
+  await longJob('after the restart');
+  await row('after the restart').waitFor();
+  await until('the unfinished jobs', async () => (await names()).length === unfinished + 1);
+  await page.getByRole('button', {name: 'Show older jobs'}).click();
+  await until('all jobs', async () => (await names()).length === jobs.length + 1);
+  await page.locator('.workers .state', {hasText: 'working'}).waitFor();
+  assert.equal(await page.getByRole('row', {name: 'worker-1'}).count(), 1);
   assert.deepEqual(page.errors, []);
 });

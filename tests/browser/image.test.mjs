@@ -3,12 +3,12 @@
 // PNG file.
 import assert from 'node:assert/strict';
 import {after, before, test} from 'node:test';
-import {mkdtempSync, rmSync} from 'node:fs';
+import {existsSync, mkdtempSync, readFileSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {Farm, glowingSphere, kCornell, startView, until} from './farm.mjs';
-import {nearestHalf, readExr, readPng} from './images.mjs';
-import {launch, open, openJob, showPixels} from './page.mjs';
+import {largestDifference, nearestHalf, readExr, readPng, readTileStream} from './images.mjs';
+import {launch, open, openJob, readColours, showPixels} from './page.mjs';
 
 const kWidth = 150;
 const kHeight = 100;
@@ -26,27 +26,32 @@ after(async () => {
 const readPixels = (page) =>
   page.evaluate(([w, h]) => window.tessera.readPixels(0, 0, w, h), [kWidth, kHeight]);
 
-async function assertHalvesOfExr(page, id, image = 0, layer = '') {
+// What the graphics card should hold: the halves of the EXR file, and null in tiles without samples.
+async function expectedHalves(id, image, layer) {
   const exr = readExr(await farm.api(`jobs/${id}/image?format=exr&image=${image}&layer=${layer}`));
   assert.deepEqual([exr.width, exr.height], [kWidth, kHeight]);
-  const expected = Array.from(exr.halves);
+  const {columns, tile_width, tile_height, tiles} = await farm.api(`jobs/${id}/map?image=${image}`);
+  return Array.from(exr.halves, (half, i) => {
+    const [x, y] = [Math.floor(i / 3) % kWidth, Math.floor(i / 3 / kWidth)];
+    const [samples] = tiles[Math.floor(y / tile_height) * columns + Math.floor(x / tile_width)];
+    return samples > 0 ? half : null;
+  });
+}
+
+async function assertHalves(page, expected) {
   // The last tiles may be under way.
-  const pixels = await until(
+  await until(
     'the tiles of the last samples',
-    async () => {
-      const read = await readPixels(page);
-      return read.every((half, i) => half === expected[i] || (half === null && expected[i] === 0))
-        ? read
-        : null;
-    },
-    10000,
-  ).catch(() => readPixels(page));
-  assert.deepEqual(
-    pixels.map((half) => half ?? 0),
-    expected,
-  );
+    async () => (await readPixels(page)).every((half, i) => half === expected[i]),
+    20000,
+  ).catch(() => {});
+  const pixels = await readPixels(page);
+  assert.deepEqual(pixels, expected);
   return pixels;
 }
+
+const assertHalvesOfExr = async (page, id, image = 0, layer = '') =>
+  assertHalves(page, await expectedHalves(id, image, layer));
 
 test('each image of a job with several', async () => {
   const id = await farm.submitScene(glowingSphere(kWidth, kHeight), {frames: [10, 12, 7]});
@@ -108,11 +113,15 @@ test('each layer of a job', async () => {
 test('the image of a local render', async () => {
   const folder = mkdtempSync(join(tmpdir(), 'tessera-view-'));
   const size = `${kWidth}x${kHeight}`;
-  const view = await startView([kCornell, '-o', join(folder, 'a.exr'), '--size', size, '--spp', '2']);
+  const file = join(folder, 'a.exr');
+  const view = await startView([kCornell, '-o', file, '--size', size, '--spp', '2']);
   const page = await open(browser, view.url);
   await page.waitForFunction(() => window.tessera);
   await showPixels(page, kWidth, kHeight);
-  await until('all pixels', async () => !(await readPixels(page)).includes(null), 20000);
+  // Written when the last sample is there, while the page stays.
+  await until('the EXR file', () => existsSync(file));
+  const {halves} = readExr(readFileSync(file));
+  await assertHalves(page, Array.from(halves));
   assert.deepEqual(page.errors, []);
   await page.context().close();
   await view.close();
@@ -124,6 +133,44 @@ test('halves are rounded to the nearest', () => {
     [0, 1, 65504, 1e9, 2 ** -24, 2 ** -25, 1.00048828125, 1.00146484375, -2].map(nearestHalf),
     [0, 0x3c00, 0x7bff, 0x7bff, 1, 0, 0x3c00, 0x3c02, 0xc000],
   );
+});
+
+test('the halves of the tile stream, while the job renders', async () => {
+  const id = await farm.submit(['--size', `${kWidth}x${kHeight}`, '--spp', '100000']);
+  const page = await openJob(browser, farm, id);
+  await showPixels(page, kWidth, kHeight);
+  const sent = new Map(); // the halves of each state of each tile that this test was sent
+  const stop = new AbortController();
+  const note = (tile, halves) => sent.set(`${tile.x0},${tile.y0} revision ${tile.revision}`, halves);
+  const address = `${farm.url}api/v1/jobs/${id}/tiles?since=0&level=0`;
+  const reading = readTileStream(address, stop.signal, note).catch((error) => error);
+  // The states that the page has now, each with what the graphics card holds of it.
+  const held = () =>
+    page.evaluate(
+      ([width, height]) =>
+        Array.from(window.tessera.viewer.source.store.pages.get('0/0/0').tiles, ([corner, tile]) => {
+          const [x, y] = corner.split(',').map(Number);
+          const halves = window.tessera.readPixels(x, y, Math.min(x + 64, width), Math.min(y + 64, height));
+          return {key: `${corner} revision ${tile.revision}`, level: tile.level, halves};
+        }),
+      [kWidth, kHeight],
+    );
+  // Both are sent the newest state of a tile when they are ready for it, so most states are known to both.
+  const compared = new Set();
+  await until('twelve states that both were sent', async () => {
+    for (const {key, level, halves} of await held()) {
+      if (level !== 0 || !sent.has(key)) continue;
+      assert.deepEqual(halves, sent.get(key), key);
+      compared.add(key);
+    }
+    return compared.size >= 12;
+  });
+  assert.equal((await farm.api(`jobs/${id}`)).state, 'running');
+  stop.abort();
+  assert.equal((await reading).name, 'AbortError');
+  await farm.api(`jobs/${id}`, {method: 'DELETE'});
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
 });
 
 test('the halves of the EXR file, before the render is complete', async () => {
@@ -141,7 +188,7 @@ test('the halves of the EXR file, before the render is complete', async () => {
   const paused = await assertHalvesOfExr(page, id);
   assert.ok(paused.some((half) => half > 0));
 
-  await farm.api(`jobs/${id}`, {method: 'DELETE'}).catch(() => {});
+  await farm.api(`jobs/${id}`, {method: 'DELETE'});
   assert.deepEqual(page.errors, []);
   await page.context().close();
 });
@@ -167,23 +214,13 @@ test('the halves of the EXR file and the colours of the PNG file, of a finished 
 
 async function assertColours(page, id, curve, exposure) {
   const png = readPng(await farm.api(`jobs/${id}/image?format=png&tone_curve=${curve}&exposure=${exposure}`));
-  const shown = await page.evaluate(
-    ([tone, stops]) => {
-      Object.assign(window.tessera.viewer.display, {curve: tone, exposure: stops});
-      const {width, data} = window.tessera.readCanvas();
-      return {width, data: Array.from(data), ...window.tessera.view};
-    },
+  await page.evaluate(
+    ([tone, stops]) => Object.assign(window.tessera.viewer.display, {curve: tone, exposure: stops}),
     [curve, exposure],
   );
-  assert.equal(shown.scale, 1);
-  let worst = 0;
-  for (let y = 0; y < kHeight; ++y) {
-    for (let x = 0; x < kWidth; ++x) {
-      const from = 4 * ((y + shown.originY) * shown.width + x + shown.originX);
-      for (let c = 0; c < 3; ++c)
-        worst = Math.max(worst, Math.abs(shown.data[from + c] - png.rgb[3 * (y * kWidth + x) + c]));
-    }
-  }
+  const {rgb} = await readColours(page, kWidth, kHeight);
+  const colourAt = (x, y) => [0, 1, 2].map((c) => png.rgb[3 * (y * kWidth + x) + c]);
+  const worst = largestDifference(rgb, kWidth, colourAt);
   assert.ok(worst <= 1, `${curve} at ${exposure} stops differs by ${worst}`);
 }
 
@@ -203,6 +240,28 @@ test('the value, samples and standard error of a pixel', async () => {
   assert.match(text, new RegExp(`x ${x}  y ${y}`));
   assert.ok(text.includes(pixel.value[0].toPrecision(4)), `${text} has ${pixel.value[0]}`);
   assert.match(text, /±/);
+  await page.context().close();
+});
+
+test('downloads are the files of the API', async () => {
+  const id = await farm.submit(['--size', `${kWidth}x${kHeight}`, '--spp', '4', '--name', 'to download']);
+  await farm.waitForState(id, 'done');
+  const page = await openJob(browser, farm, id);
+  await page.getByLabel('Tone curve').selectOption('agx');
+  for (const [item, query, ending] of [
+    ['OpenEXR, linear', 'format=exr', 'exr'],
+    ['PNG, as displayed', 'format=png&tone_curve=agx', 'png'],
+  ]) {
+    await page.getByRole('button', {name: 'Download the image'}).click();
+    const [download] = await Promise.all([
+      page.waitForEvent('download'),
+      page.getByRole('menuitem', {name: item}).click(),
+    ]);
+    assert.match(download.suggestedFilename(), new RegExp(`\\.${ending}$`));
+    const bytes = readFileSync(await download.path());
+    assert.ok(bytes.equals(await farm.api(`jobs/${id}/image?${query}`)), `${item} has other bytes`);
+  }
+  assert.deepEqual(page.errors, []);
   await page.context().close();
 });
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads the image files that Tessera writes: OpenEXR (scan lines, ZIP or uncompressed) as the bits of half
 // floats, and 8-bit PNG as RGB.
-import {inflateSync} from 'node:zlib';
+import zlib, {inflateSync} from 'node:zlib';
 
 const kFloat = new Float32Array(1);
 const kBits = new Uint32Array(kFloat.buffer);
@@ -21,6 +21,66 @@ export function nearestHalf(value) {
     half = 1 << (shift - 1);
   const down = whole >>> shift;
   return sign | (down + (rest > half || (rest === half && down & 1) ? 1 : 0));
+}
+
+// The value of the bits of a half float.
+export function halfValue(half) {
+  const sign = half & 0x8000 ? -1 : 1,
+    exponent = (half >>> 10) & 31,
+    fraction = half & 0x3ff;
+  if (exponent === 0) return sign * fraction * 2 ** -24;
+  if (exponent === 31) return fraction ? NaN : sign * Infinity;
+  return sign * (1024 + fraction) * 2 ** (exponent - 25);
+}
+
+// A linear value from 0 to 1 as sRGB has it.
+const encode = (value) => {
+  const v = Math.max(0, Math.min(1, value));
+  return v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055;
+};
+
+// The 8-bit colour of a linear one.
+export const srgb = (rgb) => rgb.map((value) => Math.round(255 * encode(value)));
+
+export const luminance = ([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
+
+// The largest difference of the colours `shown` from those that `expected(x, y)` returns.
+export function largestDifference(shown, width, expected) {
+  let largest = 0;
+  for (let i = 0; i < shown.length; i += 3) {
+    const pixel = i / 3;
+    expected(pixel % width, Math.floor(pixel / width)).forEach((value, c) => {
+      largest = Math.max(largest, Math.abs(shown[i + c] - value));
+    });
+  }
+  return largest;
+}
+
+// The linear value of each pixel of an image that readExr() returns.
+export const linearAt =
+  ({width, halves}) =>
+  (x, y) =>
+    [0, 1, 2].map((c) => halfValue(halves[3 * (y * width + x) + c]));
+
+// Reads a tile stream of level 0 (docs/http-api.md): calls take(tile, halves) for each tile until the stream
+// ends or `signal` ends it.
+export async function readTileStream(address, signal, take) {
+  const {body} = await fetch(address, {signal});
+  let bytes = Buffer.alloc(0);
+  for await (const chunk of body) {
+    bytes = Buffer.concat([bytes, chunk]);
+    while (bytes.length >= 8) {
+      const start = 8 + bytes.readUInt32LE(0),
+        end = start + bytes.readUInt32LE(4);
+      if (bytes.length < end) break;
+      const header = JSON.parse(bytes.toString('utf8', 8, start));
+      if (header.type === 'tile' && header.level === 0) {
+        const pixels = inflateSync(bytes.subarray(start, end));
+        take(header, Array.from({length: pixels.length / 2}, (_, i) => pixels.readUInt16LE(2 * i)));
+      }
+      bytes = bytes.subarray(end);
+    }
+  }
 }
 
 function readHeader(bytes) {
@@ -132,21 +192,45 @@ function paeth(a, b, c) {
   return pa <= pb && pa <= pc ? a : pb <= pc ? b : c;
 }
 
+// A chunk of a PNG file.
+function chunk(type, data) {
+  const body = Buffer.concat([Buffer.from(type, 'latin1'), data]);
+  const ends = Buffer.alloc(8);
+  ends.writeUInt32BE(data.length, 0);
+  ends.writeUInt32BE(crc32(body), 4);
+  return Buffer.concat([ends.subarray(0, 4), body, ends.subarray(4)]);
+}
+
+const kHeadBytes = 33; // signature and IHDR
+
+// The PNG file with a text in its head.
+export function withText(png, keyword, text) {
+  const added = chunk('iTXt', Buffer.from(`${keyword}\0\0\0\0\0${text}`));
+  return Buffer.concat([png.subarray(0, kHeadBytes), added, png.subarray(kHeadBytes)]);
+}
+
+// The text that withText() has put there; null if there is none.
+export function textOf(png, keyword) {
+  const size = png.readUInt32BE(kHeadBytes);
+  const [found, , , , , ...text] = png.toString('utf8', kHeadBytes + 8, kHeadBytes + 8 + size).split('\0');
+  return png.toString('latin1', kHeadBytes + 4, kHeadBytes + 8) === 'iTXt' && found === keyword
+    ? text.join('\0')
+    : null;
+}
+
 // A zip archive of [name, bytes], without compression of those whose name ends with ".png".
-export async function writeZip(files) {
-  const {crc32, deflateRawSync} = await import('node:zlib');
-  const checksum = crc32 ?? slowCrc32;
+export function writeZip(files) {
   const parts = [],
     directory = [];
   let offset = 0;
   for (const [name, bytes] of files) {
     const isStored = name.endsWith('.png');
-    const packed = isStored ? bytes : deflateRawSync(bytes);
+    const packed = isStored ? bytes : zlib.deflateRawSync(bytes);
     const fields = Buffer.alloc(26);
     fields.writeUInt16LE(20, 0);
     fields.writeUInt16LE(0x800, 2);
     fields.writeUInt16LE(isStored ? 0 : 8, 4);
-    fields.writeUInt32LE(checksum(bytes), 10);
+    fields.writeUInt32LE(crc32(bytes), 10);
     fields.writeUInt32LE(packed.length, 14);
     fields.writeUInt32LE(bytes.length, 18);
     fields.writeUInt16LE(Buffer.byteLength(name), 22);
@@ -168,7 +252,9 @@ export async function writeZip(files) {
   return Buffer.concat([...parts, list, end]);
 }
 
-function slowCrc32(bytes) {
+// zlib has it from node 22 on.
+function crc32(bytes) {
+  if (zlib.crc32) return zlib.crc32(bytes);
   let crc = -1;
   for (const byte of bytes) {
     crc ^= byte;

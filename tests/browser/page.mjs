@@ -16,12 +16,20 @@ export async function launch() {
   });
 }
 
-// Opens the page; every error on it, and every violation of its content security policy, is in `page.errors`.
-export async function open(browser, url, {viewport = kDesktop, colorScheme = 'dark', hasTouch = false} = {}) {
+// Opens the page; every error on it, and every violation of its content security policy, is in `page.errors`,
+// the address of every request in `page.requests`. `init` runs in the browser before the page's own scripts.
+export async function open(
+  browser,
+  url,
+  {viewport = kDesktop, colorScheme = 'dark', hasTouch = false, init = null} = {},
+) {
   const context = await browser.newContext({viewport, colorScheme, hasTouch});
   const page = await context.newPage();
   page.setDefaultTimeout(60000);
+  if (init) await page.addInitScript(init);
   page.errors = [];
+  page.requests = [];
+  page.on('request', (request) => page.requests.push(request.url()));
   page.on('pageerror', (error) => page.errors.push(String(error.stack ?? error)));
   page.on('console', (message) => {
     if (/Content Security Policy|Refused to/.test(message.text())) page.errors.push(message.text());
@@ -41,6 +49,36 @@ export async function showPixels(page, width, height) {
   await page.evaluate(([w, h]) => window.tessera.setView({x: w / 2, y: h / 2, zoom: 1}), [width, height]);
   await page.waitForFunction(() => window.tessera.isComplete);
 }
+
+// The colours of the image's pixels as they are on the screen at zoom 1, R, G, B, row by row; and the device
+// column of the first one.
+export async function readColours(page, width, height) {
+  const shown = await page.evaluate(
+    ([columns, rows]) => {
+      const {width: canvasWidth, data} = window.tessera.readCanvas();
+      const {originX, originY, scale} = window.tessera.view;
+      const rgb = [];
+      for (let y = 0; y < rows; ++y) {
+        for (let x = 0; x < columns; ++x) {
+          const from = 4 * ((y + originY) * canvasWidth + x + originX);
+          rgb.push(...data.subarray(from, from + 3));
+        }
+      }
+      return {rgb, originX, scale};
+    },
+    [width, height],
+  );
+  if (shown.scale !== 1) throw new Error(`the image is shown at scale ${shown.scale}`);
+  return shown;
+}
+
+// The headings and names on the page, which tell whether a screenshot of it is out of date.
+export const labelsOf = (page) =>
+  page.evaluate(() => {
+    const all = [...document.querySelectorAll('nav a, h2, th, label, .chip, .job-actions button')];
+    const texts = all.filter((each) => each.checkVisibility()).map((each) => each.textContent.trim());
+    return texts.map((text) => text.replace(/ \d+$/, '')).filter(Boolean);
+  });
 
 // What axe finds, one line for each.
 export async function axe(page) {

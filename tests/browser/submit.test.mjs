@@ -60,6 +60,7 @@ test('a folder: only what the scene names is sent', async () => {
   await page.getByText(/3 files, .* of 4 given/).waitFor();
   await submitSmall();
   const job = await assertImage();
+  assert.equal(job.name, 'cornell');
   assert.deepEqual(
     job.files.map((entry) => entry.path),
     ['box.mtl', 'box.obj', 'scene.json'],
@@ -71,7 +72,7 @@ test('a folder: only what the scene names is sent', async () => {
 test('a dropped zip archive', async () => {
   await openSubmit();
   const files = readdirSync(kFolder).map((name) => [`my scene/${name}`, readFileSync(join(kFolder, name))]);
-  const zip = (await writeZip([...files, ['__MACOSX/._scene.json', Buffer.from('x')]])).toString('base64');
+  const zip = writeZip([...files, ['__MACOSX/._scene.json', Buffer.from('x')]]).toString('base64');
   await page.evaluate((base64) => {
     const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
     const transfer = new DataTransfer();
@@ -80,7 +81,7 @@ test('a dropped zip archive', async () => {
   }, zip);
   await page.getByText(/3 files/).waitFor();
   await submitSmall();
-  await assertImage();
+  assert.equal((await assertImage()).name, 'my scene');
   assert.deepEqual(page.errors, []);
   await page.context().close();
 });

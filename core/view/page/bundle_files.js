@@ -57,6 +57,13 @@ async function unpackSingle(files) {
   return all.filter(({path}) => !kIgnored.test(path));
 }
 
+// What a scene is called: its file's name without the ending, or its folder's if the file is just "scene". As
+// the command line has it.
+export function sceneName(path) {
+  const name = baseOf(path).replace(/\.[^.]*$/, '');
+  return (name === 'scene' && baseOf(folderOf(path).slice(0, -1))) || name;
+}
+
 // The scene files among them, the likeliest first.
 export function findScenes(files) {
   const rank = ({path}) =>

@@ -7,7 +7,7 @@ import {sparkline} from './plots.js';
 import {onStore, store} from './store.js';
 import {WorkersTable} from './workers_table.js';
 
-const kPlotSeconds = 180;
+const kPlotHours = 3;
 
 const kFigures = [
   {
@@ -24,7 +24,7 @@ const kFigures = [
   },
   {
     label: 'Running jobs',
-    value: (t) => t.running,
+    value: (t) => t.running + t.queued,
     text: (t) => String(t.running),
     note: (t) => (t.queued > 0 ? `and ${t.queued} queued` : 'none queued'),
   },
@@ -33,7 +33,7 @@ const kFigures = [
 function figure({label, value, text, note}) {
   const number = h('span.figure-number', {}, '–');
   const remark = h('span.figure-note', {}, '\u00a0');
-  const plot = sparkline(label, kPlotSeconds);
+  const plot = sparkline(label, kPlotHours);
   const element = h('div.figure', {}, h('h2.figure-label', {}, label), number, remark, plot.element);
   const update = () => {
     const totals = store.totals();

@@ -11,6 +11,7 @@ import {store} from './store.js';
 const kFilters = [
   ['all', 'All', () => true],
   ['active', 'Active', (job) => !isOver(job)],
+  ['queued', 'Queued', (job) => shownState(job) === 'queued'],
   ['done', 'Done', (job) => job.state === 'done'],
   ['failed', 'Failed', (job) => job.state === 'failed'],
   ['cancelled', 'Cancelled', (job) => job.state === 'cancelled'],

@@ -5,12 +5,11 @@ import {setAttribute, svg} from './dom.js';
 const kWidth = 240,
   kHeight = 36;
 
-// The fewest seconds that a plot spans, so that the first values do not look like much.
+// The fewest values that a plot spans, so that the first values do not look like much.
 const kFewest = 30;
 
-// A plot of the last values, one a second and at most `capacity`, newest at the right; update(values) redraws
-// it.
-export function sparkline(label, capacity) {
+// A plot of values of the last `hours`, newest at the right; update(values) redraws it.
+export function sparkline(label, hours) {
   const area = svg('path', {class: 'plot-area'});
   const line = svg('path', {class: 'plot-line', 'vector-effect': 'non-scaling-stroke'});
   const title = svg('title', {}, label);
@@ -22,7 +21,7 @@ export function sparkline(label, capacity) {
     line,
   );
   const update = (values, text) => {
-    title.textContent = `${label}, at most the last ${capacity / 60} minutes: ${text}`;
+    title.textContent = `${label}, at most the last ${hours} hours: ${text}`;
     const points = toPoints(values);
     setAttribute(line, 'd', points.length > 1 ? `M${points.map((p) => p.join(' ')).join('L')}` : 'M0 0');
     setAttribute(

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the page knows of the farm, kept up to date by its events. 'change' is dispatched at most once a
 // frame, 'connection' when the connection is lost or restored.
+import {get} from './api.js';
 import {LiveEvents} from './live.js';
 
-const kHistorySeconds = 180;
+// As the coordinator keeps it.
+const kHistorySeconds = 3 * 3600,
+  kPeriodSeconds = 10;
 
 class FarmStore extends EventTarget {
   constructor() {
@@ -14,7 +17,8 @@ class FarmStore extends EventTarget {
     this.server = {features: [], limits: {}};
     this.connection = 'connecting';
     this.isLoaded = false;
-    this.history = []; // one a second: {rate, working, running}
+    this.history = []; // totals(): one for each period, and that of this second
+    this.periodEnds = 0;
   }
 
   get isLocal() {
@@ -44,6 +48,7 @@ class FarmStore extends EventTarget {
   setConnection(state) {
     if (this.connection === state) return;
     this.connection = state;
+    if (state === 'live' && !this.isLocal) this.fetchHistory();
     this.dispatchEvent(new Event('connection'));
   }
 
@@ -100,8 +105,20 @@ class FarmStore extends EventTarget {
 
   sampleHistory() {
     if (!this.isLoaded || this.connection !== 'live') return;
+    const now = performance.now();
+    if (now < this.periodEnds) this.history.pop();
+    else this.periodEnds = now + 1000 * kPeriodSeconds;
     this.history.push(this.totals());
-    if (this.history.length > kHistorySeconds) this.history.shift();
+    if (this.history.length > kHistorySeconds / kPeriodSeconds) this.history.shift();
+    this.dispatchEvent(new Event('history'));
+  }
+
+  // What the coordinator has seen, unless that is less: before the page was opened, or while it was hidden.
+  async fetchHistory() {
+    const {samples} = await get('activity').catch(() => ({samples: []}));
+    if (samples.length < this.history.length) return;
+    this.history = samples.map(([rate, working, running]) => ({rate, working, running, queued: 0}));
+    this.periodEnds = 0;
     this.dispatchEvent(new Event('history'));
   }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Submits a scene: drop its folder, files or zip archive, look at what is sent, and go.
 import {whyNotSubmit} from './access.js';
-import {bundleOf, findScenes, fromDrop, fromInput} from './bundle_files.js';
+import {bundleOf, findScenes, fromDrop, fromInput, sceneName} from './bundle_files.js';
 import {guarded, setReason, toast} from './dialogs.js';
 import {field, h, setAttribute, setHidden, setText, svg} from './dom.js';
 import {bytes, percent, plural} from './format.js';
@@ -9,6 +9,7 @@ import {store} from './store.js';
 import {submitBundle, untilValidated} from './upload.js';
 
 const kShownFiles = 100;
+const kMaxName = 200;
 
 function numberInput(properties) {
   return h('input', {type: 'number', step: 1, placeholder: 'as in the scene', ...properties});
@@ -105,9 +106,8 @@ class SubmitView {
     this.list = h('ul.file-list', {});
     this.name = h('input', {
       type: 'text',
-      maxlength: 200,
+      maxlength: kMaxName,
       autocomplete: 'off',
-      placeholder: 'name of the scene file',
     });
     this.width = numberInput({min: 1});
     this.height = numberInput({min: 1});
@@ -200,6 +200,7 @@ class SubmitView {
 
   async chooseScene() {
     const scene = this.files.find(({path}) => path === this.scene.value);
+    this.name.placeholder = sceneName(scene.path).slice(0, kMaxName);
     this.bundle = await bundleOf(scene, this.files, this.isAll.checked);
     const distinct = new Set(this.bundle.map(({file}) => file));
     const size = [...distinct].reduce((sum, file) => sum + file.size, 0);
@@ -245,7 +246,7 @@ class SubmitView {
       labels[at < 0 ? pair : pair.slice(0, at).trim()] = at < 0 ? '' : pair.slice(at + 1).trim();
     }
     return {
-      name: this.name.value.trim(),
+      name: this.name.value.trim() || this.name.placeholder,
       overrides,
       priority: Number(this.priority.value || 0),
       max_workers: Number(this.maxWorkers.value || 0),

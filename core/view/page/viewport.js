@@ -82,14 +82,15 @@ export class Viewport {
     this.y = clamp(this.y - dy / this.zoom, 0, this.imageHeight);
   }
 
-  // Keeps the pixel under (x, y) of the canvas where it is.
+  // Keeps the pixel under (x, y) of the canvas where it is. Whole device pixels play no part: by their rounding
+  // the image would drift away while it is pinched.
   zoomAt(factor, x = this.width / 2, y = this.height / 2) {
     const zoom = clamp(this.zoom * factor, Math.min(1, this.fitZoom) / 2, kMaxZoom);
-    const at = this.toImage(x, y);
+    const shift = 1 / this.zoom - 1 / zoom;
     this.isFit = false;
     this.zoom = zoom;
-    this.x = clamp(at.x - (x - this.width / 2) / zoom, 0, this.imageWidth);
-    this.y = clamp(at.y - (y - this.height / 2) / zoom, 0, this.imageHeight);
+    this.x = clamp(this.x + (x - this.width / 2) * shift, 0, this.imageWidth);
+    this.y = clamp(this.y + (y - this.height / 2) * shift, 0, this.imageHeight);
   }
 
   zoomTo(zoom, x, y) {
