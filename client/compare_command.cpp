@@ -32,7 +32,8 @@ The relative MSE is the mean of (a-b)^2 / (b^2 + 0.01) over pixels and channels,
 takes 1 as the peak.)",
     .exit_statuses = {{kExitOk, "identical"},
                       {kExitDifferent, "different"},
-                      {kExitCannotCompare, "cannot be compared, or wrong command line"}},
+                      {kExitCannotCompare, "cannot be compared, or wrong command line"},
+                      {kExitInterrupted, "interrupted"}},
     .examples = {"tessera compare a.exr b.exr", "tessera compare a.exr b.exr --json --region 100,40,64x32",
                  "tessera compare a.exr b.exr --layer all"}};
 
@@ -53,7 +54,7 @@ core::ImageRegion parse_region(const std::string& text) {
   }
   const auto number = [&](std::size_t begin, std::size_t end, std::uint64_t least) {
     return static_cast<int>(
-        parse_whole_number("--region", text.substr(begin, end - begin), least, core::kMaxPictureSidePx));
+        parse_whole_number("--region", text.substr(begin, end - begin), least, core::kMaxImageSidePx));
   };
   return {.x = number(0, first, 0),
           .y = number(first + 1, second, 0),
@@ -93,7 +94,7 @@ nlohmann::ordered_json to_json(const core::ImageRegion& region) {
 
 // Names of files and layers need not be UTF-8.
 std::string to_line(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string to_json(const core::Comparison& c, const std::optional<core::ImageRegion>& region) {

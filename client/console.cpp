@@ -20,8 +20,10 @@ void write(std::FILE* stream, std::string_view text) {
 
 }  // namespace
 
-const std::vector<cli::HelpText::ExitStatus> kUsualExitStatuses{
-    {kExitOk, "done"}, {kExitFailed, "failed"}, {kExitUsage, "wrong command line"}};
+const std::vector<cli::HelpText::ExitStatus> kUsualExitStatuses{{kExitOk, "done"},
+                                                                {kExitFailed, "failed"},
+                                                                {kExitUsage, "wrong command line"},
+                                                                {kExitInterrupted, "interrupted"}};
 
 void print_result(std::string_view text) {
   write(stdout, text);

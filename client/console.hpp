@@ -17,6 +17,8 @@ namespace tessera::client {
 using cli::kExitFailed;
 using cli::kExitOk;
 using cli::kExitUsage;
+// By Ctrl-C: returned by commands that watch for it; of others, which the signal ends, shells report the
+// same.
 inline constexpr int kExitInterrupted = 130;
 
 // The section "Exit status" of commands without special statuses.

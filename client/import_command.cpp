@@ -3,10 +3,12 @@
 
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "client/commands.hpp"
 #include "client/console.hpp"
@@ -14,6 +16,7 @@
 #include "core/base/printable.hpp"
 #include "core/image/file_io.hpp"
 #include "core/scene/cache/scene_digest.hpp"
+#include "core/scene/import/scene_format.hpp"
 #include "core/scene/loader/loader.hpp"
 #include "core/scene/writer/scene_writer.hpp"
 
@@ -26,6 +29,7 @@ struct ImportOptions {
   SceneFlags scene;
   std::string output_path;
   bool report = false;
+  bool json = false;
 };
 
 core::Status write_one(const fs::path& folder, const std::string& name, std::string_view bytes) {
@@ -59,12 +63,15 @@ std::string part_that_differs(const core::SceneDigest& a, const core::SceneDiges
   return a.environment == b.environment ? "" : "the environment";
 }
 
-core::Status write_and_compare(core::SceneDescription scene, const std::string& output_path) {
+// `written`: gets the paths of the files.
+core::Status write_and_compare(core::SceneDescription scene, const std::string& output_path,
+                               std::vector<std::string>& written) {
   const fs::path output(output_path);
-  const auto write = [&output](const std::string& name, std::string_view bytes) {
+  const auto write = [&](const std::string& name, std::string_view bytes) {
+    written.push_back((output.parent_path() / name).string());
     return write_one(output.parent_path(), name, bytes);
   };
-  if (auto written = core::write_scene(scene, output.stem().string(), write); !written) return written;
+  if (auto status = core::write_scene(scene, output.stem().string(), write); !status) return status;
   const core::RenderSettings settings = scene.settings;
   const core::SceneDigest original = digest_without_names(scene);
   scene = {};  // frees it
@@ -84,18 +91,31 @@ void print_report(const std::vector<std::string>& warnings) {
   if (warnings.empty()) print_result("everything in the file is read as it is\n");
 }
 
+void print_json(const ImportOptions& options, const std::vector<std::string>& warnings,
+                const std::vector<std::string>& written) {
+  using Json = nlohmann::ordered_json;
+  const std::string& path = options.scene.scene_path;
+  const auto format = core::format_by_ending(path).value_or(core::SceneFormat::kTessera);
+  const Json json = {{"file", core::printable(path)},
+                     {"format", std::string(core::scene_format_name(format))},
+                     {"written", written},
+                     {"warnings", warnings}};
+  print_result(json.dump(-1, ' ', true, Json::error_handler_t::replace) + "\n");
+}
+
 int run_import(const ImportOptions& options) {
   core::SceneLimits limits;
   if (options.report) limits.warnings = core::kReportLimits;
   auto scene = core::load_scene_file(options.scene.scene_path, options.scene.parameters, limits);
   if (!scene) return print_error(scene.error());
-  if (options.report)
-    print_report(scene->warnings);
-  else
-    print_warnings(scene->warnings);
-  if (options.output_path.empty()) return kExitOk;
-  if (auto written = write_and_compare(std::move(*scene), options.output_path); !written)
-    return print_error(written.error());
+  const std::vector<std::string> warnings = scene->warnings;
+  if (options.report && !options.json) print_report(warnings);
+  if (!options.report && !options.json) print_warnings(warnings);
+  std::vector<std::string> written;
+  if (!options.output_path.empty())
+    if (auto status = write_and_compare(std::move(*scene), options.output_path, written); !status)
+      return print_error(status.error());
+  if (options.json) print_json(options, warnings, written);
   return kExitOk;
 }
 
@@ -115,6 +135,8 @@ void add_import_command(CLI::App& app, int& exit_code) {
       "--report", options->report,
       "Print each parameter that is approximated or ignored, with file and line, and what is done "
       "instead");
+  command->add_flag("--json", options->json,
+                    "Print one line of JSON, with the warnings; with --report, each place in them");
   add_parameter_option(*command, options->scene.parameters);
   cli::set_help(
       *command,

@@ -31,7 +31,8 @@ const cli::HelpText kInfoHelp{
 scene takes while it is rendered, without the image.)",
     .exit_statuses = {{kExitOk, "done"},
                       {kExitFailed, "the scene cannot be rendered"},
-                      {kExitUsage, "wrong command line"}},
+                      {kExitUsage, "wrong command line"},
+                      {kExitInterrupted, "interrupted"}},
     .examples = {"tessera info scene.json", "tessera info model.glb --json"}};
 
 struct InfoOptions {
@@ -270,7 +271,7 @@ int run_info(const InfoOptions& options) {
   json["missing"] = missing_json(assets);
   if (scene) json["warnings"] = scene->warnings;
   if (options.json) {
-    print_result(json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+    print_result(json.dump(-1, ' ', true, Json::error_handler_t::replace) + "\n");
   } else {
     print_result(
         fmt::format("{:<10}  {} ({})\n", "scene", core::printable(options.scene.scene_path), format) +

@@ -14,7 +14,7 @@
 
 #include "client/commands.hpp"
 #include "client/console.hpp"
-#include "client/picture_files.hpp"
+#include "client/image_files.hpp"
 #include "client/render_checkpoint.hpp"
 #include "client/render_options.hpp"
 #include "client/render_stats.hpp"
@@ -64,7 +64,7 @@ Status check_checkpoint(const RenderOptions& options) {
 }
 
 Status check_paths(const RenderOptions& options) {
-  if (Status status = check_picture_paths(options.scene.output_paths); !status) return status;
+  if (Status status = check_image_paths(options.scene.output_paths); !status) return status;
   if (Status status = check_updates(options); !status) return status;
   if (!options.sample) {
     if (Status status = check_checkpoint(options); !status) return status;
@@ -139,7 +139,7 @@ Result<LoadedScene> load(const RenderOptions& options) {
   const auto display = core::resolve_display(description.display, options.scene.display);
   if (!display) return core::fail(display.error().within(options.scene.scene_path));
   if (Status status = check_memory(*settings); !status) return core::fail(status.error());
-  Status fits = check_picture_size(options.scene.output_paths, *settings);
+  Status fits = check_image_size(options.scene.output_paths, *settings);
   if (!fits) return core::fail(fits.error());
   if (Status possible = core::validate_frames(description, options.frames.frames); !possible)
     return core::fail(possible.error().within(options.scene.scene_path));

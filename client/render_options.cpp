@@ -120,10 +120,7 @@ void add_local_options(CLI::App& command, RenderOptions& options) {
       ->type_name("N")
       ->capture_default_str();
   command.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only");
-  command.add_flag(
-      "--json", options.json,
-      "Print the progress as JSON, one line a second, each the job as 'tessera watch --json' prints it. "
-      "The last one lists the files under \"written\"");
+  add_progress_json_option(command, options.json);
   command
       .add_option_function<std::string>(
           "--sample", [&options](const std::string& text) { options.sample = parse_sample(text); },
@@ -159,9 +156,16 @@ void add_thread_option(CLI::App& command, int& threads) {
           [&threads](const std::string& text) {
             threads = static_cast<int>(parse_whole_number("--threads", text, 1, kMaxThreads));
           },
-          "Number of threads [default: one per processor that this process may use: by control group, "
-          "affinity mask, SLURM_CPUS_PER_TASK and OMP_NUM_THREADS]")
+          "Number of threads [default: one per processor that this process may use by control group and "
+          "affinity mask, at most SLURM_CPUS_PER_TASK or, without that, OMP_NUM_THREADS]")
       ->type_name("N");
+}
+
+void add_progress_json_option(CLI::App& command, bool& json) {
+  command.add_flag(
+      "--json", json,
+      "Print the progress as JSON, one line a second, each the job as 'tessera watch --json' prints it. "
+      "The last one lists the files under \"written\"");
 }
 
 void add_render_options(CLI::App& command, RenderOptions& options) {

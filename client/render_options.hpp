@@ -44,6 +44,9 @@ void add_render_options(CLI::App& command, RenderOptions& options);
 // Adds --threads.
 void add_thread_option(CLI::App& command, int& threads);
 
+// Adds --json of commands that render here.
+void add_progress_json_option(CLI::App& command, bool& json);
+
 // Renders as the options say. The exit status.
 int run_render(const RenderOptions& options);
 

@@ -92,6 +92,7 @@ void add_rerender_command(CLI::App& app, int& exit_code) {
   add_display_options(*command, options->scene.display);
   add_thread_option(*command, options->threads);
   command->add_flag("-q,--quiet", options->quiet, "Print warnings and errors only");
+  add_progress_json_option(*command, options->json);
   cli::set_help(*command, kRerenderHelp);
   command->callback([image, options, &exit_code] { exit_code = run_rerender(*image, *options); });
 }

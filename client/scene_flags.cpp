@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <sstream>
@@ -15,6 +16,7 @@
 #include <utility>
 
 #include "client/example_scenes.hpp"
+#include "core/base/printable.hpp"
 #include "core/base/suggestion.hpp"
 #include "core/image/encode.hpp"
 #include "core/scene/import/selection.hpp"
@@ -71,7 +73,7 @@ constexpr std::pair<std::string_view, const char*> kSelections[] = {
     {core::kSelectCamera, "Camera of a glTF or Mitsuba file, by name or number from 0 [default: the first]"},
     {core::kSelectScene, "Scene of a glTF file [default: the file's]"},
     {core::kSelectVariant, "Variant of the materials of a glTF file [default: none]"},
-    {core::kSelectAnimation, "Animation of a glTF file [default: the first]"}};
+    {core::kSelectAnimation, "Animation of a glTF file, or none [default: the first]"}};
 
 double parse_seconds(const std::string& flag, const std::string& text) {
   const char* end = text.data() + text.size();
@@ -299,6 +301,13 @@ std::uint64_t parse_whole_number(const std::string& flag, const std::string& tex
         flag, fmt::format("must be a whole number from {} to {}; got '{}'", least, most, text));
   }
   return *value;
+}
+
+std::string scene_name(const std::string& path) {
+  std::error_code ignored;  // the path itself will do
+  const std::filesystem::path file = std::filesystem::absolute(path, ignored).lexically_normal();
+  const std::string name = file.stem().string(), folder = file.parent_path().filename().string();
+  return core::printable(name == "scene" && !folder.empty() ? folder : name);
 }
 
 }  // namespace tessera::client

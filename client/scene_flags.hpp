@@ -40,6 +40,10 @@ void add_display_options(CLI::App& command, core::DisplayOverrides& overrides);
 // flag. Whether they lie within the image is checked when its size is known.
 core::PixelRect parse_rect(const std::string& flag, const std::string& text);
 
+// What a scene is called, on one line: its file's name without the ending, or its folder's if the file is just
+// "scene".
+std::string scene_name(const std::string& path);
+
 // An integer from `least` to `most`; otherwise throws an exception of CLI11 that names the flag.
 std::uint64_t parse_whole_number(const std::string& flag, const std::string& text, std::uint64_t least,
                                  std::uint64_t most);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "client/scene_flags.hpp"
 #include "core/base/printable.hpp"
 #include "core/scene/light_groups.hpp"
 #include "core/scene/loader/asset_source.hpp"
@@ -21,9 +22,9 @@ namespace {
 using core::ErrorCode;
 using core::fail;
 
-v1::Bundle to_bundle(const std::string& scene_name, const std::map<std::string, proto::Digest>& digests) {
+v1::Bundle to_bundle(const std::string& scene_path, const std::map<std::string, proto::Digest>& digests) {
   v1::Bundle bundle;
-  bundle.set_scene_path(scene_name);
+  bundle.set_scene_path(scene_path);
   for (const auto& [path, digest] : digests) {
     v1::Bundle::Asset& asset = *bundle.add_assets();
     asset.set_path(path);
@@ -44,21 +45,22 @@ core::Status two_files(const std::string& name) {
 
 core::Result<LocalBundle> bundle_scene(const std::string& scene_path, const SceneChoice& choice) {
   const std::filesystem::path file(scene_path);
-  const std::string scene_name = file.filename().string();
+  const std::string file_name = file.filename().string();
   LocalBundle local;
+  if (const std::string name = scene_name(scene_path); proto::check_text("name", name)) local.name = name;
   local.folder = file.parent_path().string();
 
   core::FolderAssets folder(local.folder);
-  core::OverriddenAssets files(folder, scene_name, choice.parameters);
+  core::OverriddenAssets files(folder, file_name, choice.parameters);
   std::map<std::string, proto::Digest> digests;
   core::Status distinct;
   core::RecordingAssets recording(files, [&](const std::string& path, const std::string& bytes) {
     const std::string name = core::printable(path);
     if (local.paths.emplace(name, path).first->second != path) distinct = two_files(name);
     digests[name] = proto::digest_of(bytes);
-    if (path == scene_name && !choice.parameters.empty()) local.scene_text = bytes;
+    if (path == file_name && !choice.parameters.empty()) local.scene_text = bytes;
   });
-  const auto scene = core::load_scene(recording, scene_name, scene_path);
+  const auto scene = core::load_scene(recording, file_name, scene_path);
   if (!scene) return fail(scene.error());
   if (!distinct) return fail(distinct.error().within(scene_path));
   for (const auto& [path, digest] : digests) {
@@ -75,7 +77,7 @@ core::Result<LocalBundle> bundle_scene(const std::string& scene_path, const Scen
   local.gives_light = core::gives_light(*scene);
   local.ignores_media = settings->integrator == core::Integrator::kWhitted && core::uses_media(*scene);
   local.warnings = scene->warnings;
-  local.bundle = to_bundle(core::printable(scene_name), digests);
+  local.bundle = to_bundle(core::printable(file_name), digests);
   return local;
 }
 

@@ -18,6 +18,7 @@ namespace tessera::client {
 
 struct LocalBundle {
   v1::Bundle bundle;
+  std::string name;                          // the scene's; empty if no job can be called so
   std::string folder;                        // the folder of the scene file
   std::map<std::string, std::string> paths;  // local paths by name in the bundle
   core::RenderSettings settings;             // the scene's, with the overrides

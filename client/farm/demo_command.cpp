@@ -2,6 +2,7 @@
 // `tessera demo`: a farm on this machine for a first look, with a scene that it renders.
 #include <fmt/format.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
@@ -33,6 +34,8 @@ constexpr std::chrono::milliseconds kProgressPause{200};
 // The best-looking example, and one that is always there.
 constexpr const char* kFirstScene = "still_life";
 constexpr const char* kOtherScene = "cornell";
+constexpr const char* kCoordinatorName = "tessera-coordinator";
+constexpr const char* kWorkerName = "tessera-worker";
 
 struct DemoOptions {
   std::string scene;  // empty: the first scene that is there
@@ -68,6 +71,21 @@ std::string program_beside_this(const std::string& name) {
   return (fs::read_symlink("/proc/self/exe", error).parent_path() / name).string();
 }
 
+// Each is in the Debian package of its name.
+core::Status check_programs() {
+  std::string missing, packages;
+  for (const char* const name : {kCoordinatorName, kWorkerName}) {
+    if (::access(program_beside_this(name).c_str(), X_OK) == 0) continue;
+    missing += (missing.empty() ? "" : " and ") + std::string(name);
+    packages += fmt::format(" ./{}_*.deb", name);
+  }
+  if (missing.empty()) return {};
+  return core::fail(core::ErrorCode::kNotFound,
+                    fmt::format("the demo starts {}, which must be in the folder of this program: install "
+                                "the Debian packages of these names (apt-get install{})",
+                                missing, packages));
+}
+
 std::string scene_of(const DemoOptions& options) {
   if (!options.scene.empty()) return find_scene(options.scene);
   const std::string first = find_scene(kFirstScene);
@@ -82,7 +100,7 @@ struct Processes {
 
 core::Result<Processes> start_farm(const DemoOptions& options, const fs::path& folder) {
   auto coordinator = ChildProcess::start(
-      program_beside_this("tessera-coordinator"),
+      program_beside_this(kCoordinatorName),
       {"--listen", "127.0.0.1:0", "--http", options.http, "--state", (folder / "state").string()},
       (folder / "coordinator.log").string());
   if (!coordinator) return core::fail(coordinator.error());
@@ -92,7 +110,7 @@ core::Result<Processes> start_farm(const DemoOptions& options, const fs::path& f
   const auto page = coordinator->wait_for_line(says + "the page is at ", kStartTimeout);
   if (!page) return core::fail(page.error());
   auto worker = ChildProcess::start(
-      program_beside_this("tessera-worker"),
+      program_beside_this(kWorkerName),
       {"--coordinator", *address, "--name", "demo", "--cache", (folder / "cache").string()},
       (folder / "worker.log").string());
   if (!worker) return core::fail(worker.error());
@@ -143,6 +161,7 @@ core::Status wait_for_end(Processes& processes) {
 }
 
 int run_demo(const DemoOptions& options) {
+  if (const core::Status installed = check_programs(); !installed) return print_error(installed.error());
   const auto local = bundle_scene(scene_of(options), {});
   if (!local) return print_error(local.error());
   print_warnings(local->warnings);
@@ -151,10 +170,11 @@ int run_demo(const DemoOptions& options) {
     return print_error("cannot make a temporary folder: set TMPDIR to one that can be written to");
   watch_for_interrupt();
   auto processes = start_farm(options, folder.path());
-  if (!processes) return interrupted() ? kExitOk : print_error(processes.error());
+  const int at_interrupt = options.once ? kExitInterrupted : kExitOk;
+  if (!processes) return interrupted() ? at_interrupt : print_error(processes.error());
   print_addresses(*processes, options.json);
   const auto status = render_on(*processes, *local, options.json);
-  if (interrupted()) return kExitOk;
+  if (interrupted()) return at_interrupt;
   if (!status) return print_error(status.error());
   if (options.once || *status != kExitOk) return *status;
   const core::Status ended = wait_for_end(*processes);
@@ -181,7 +201,8 @@ void add_demo_command(CLI::App& app, int& exit_code) {
                 "a temporary folder for their state. All of it ends with this command.",
        .exit_statuses = {{kExitOk, "ended by Ctrl-C; with --once: the image is done"},
                          {kExitFailed, "failed"},
-                         {kExitUsage, "wrong command line"}},
+                         {kExitUsage, "wrong command line"},
+                         {kExitInterrupted, "with --once: interrupted"}},
        .examples = {"tessera demo", "tessera demo cornell --once"}});
   command->callback([options, &exit_code] { exit_code = run_demo(*options); });
 }

@@ -12,12 +12,12 @@
 
 #include "client/console.hpp"
 #include "client/farm/farm.hpp"
+#include "client/farm/image_download.hpp"
 #include "client/farm/job_lookup.hpp"
 #include "client/farm/job_text.hpp"
-#include "client/farm/picture_download.hpp"
 #include "client/farm/single_commands.hpp"
 #include "client/frames.hpp"
-#include "client/picture_files.hpp"
+#include "client/image_files.hpp"
 #include "client/scene_flags.hpp"
 
 namespace tessera::client {
@@ -93,13 +93,13 @@ int run_image(const ImageOptions& options) {
   core::Result<v1::Job> job = *found;
   std::vector<std::string> paths;
   for (const WantedImage& each : *images) {
-    if (core::Status writable = check_picture_paths(each.paths); !writable)
+    if (core::Status writable = check_image_paths(each.paths); !writable)
       return print_error(writable.error());
-    job = download_pictures(farm, found->id(), each.paths,
-                            {.display = options.scene.display,
-                             .region = options.region,
-                             .image = each.image,
-                             .layer = options.layer});
+    job = download_images(farm, found->id(), each.paths,
+                          {.display = options.scene.display,
+                           .region = options.region,
+                           .image = each.image,
+                           .layer = options.layer});
     if (!job) return print_error(job.error());
     paths.insert(paths.end(), each.paths.begin(), each.paths.end());
   }

@@ -59,10 +59,6 @@ std::string or_dash(const std::string& text) {
   return text.empty() ? "-" : text;
 }
 
-bool is_queued(const v1::Job& job) {
-  return job.state() == v1::JOB_STATE_RUNNING && job.active_workers() == 0 && job.queue_position() > 0;
-}
-
 // "queued (2)": second in the queue.
 std::string state_cell(const v1::Job& job) {
   return is_queued(job) ? fmt::format("queued ({})", job.queue_position()) : shown_state(job);

@@ -15,6 +15,7 @@
 namespace tessera::client {
 
 using proto::short_id;
+using proto::is_queued;
 using proto::state_name;
 
 // state_name(), or "queued" for a running job that waits for workers.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cstdint>
@@ -8,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,6 +21,7 @@
 #include "client/farm/label_option.hpp"
 #include "client/farm/single_commands.hpp"
 #include "client/farm/worker_list.hpp"
+#include "core/base/suggestion.hpp"
 #include "core/common/number_range.hpp"
 
 namespace tessera::client {
@@ -28,9 +31,9 @@ struct ListOptions {
   FarmOptions farm;
   std::string job;
   Labels labels;
-  std::vector<std::string> states;  // of jobs to list
-  std::optional<std::string> owner;
-  std::string since;
+  std::vector<std::string> states;  // of jobs or workers to list
+  std::optional<std::string> owner, principal;
+  std::string since, seen_within, unseen_for;
   std::size_t limit = 1'000'000;
   bool json = false;
 };
@@ -39,22 +42,21 @@ double seconds_since_1970() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-// The names of the states that jobs can have.
-std::map<std::string, v1::JobState> states_by_name() {
-  std::map<std::string, v1::JobState> states;
-  for (int state = v1::JobState_MIN + 1; state <= v1::JobState_MAX; ++state)
-    states[state_name(static_cast<v1::JobState>(state))] = static_cast<v1::JobState>(state);
-  return states;
-}
+// What tables show for running jobs that wait for workers.
+constexpr const char* kQueued = "queued";
 
-// The error message; empty if the text is the name of a state.
-std::string is_state(const std::string& text) {
-  std::string names;
-  for (const auto& [name, state] : states_by_name()) {
-    if (name == text) return "";
-    names += (names.empty() ? "" : ", ") + name;
-  }
-  return "must be one of " + names;
+// Accepts the names of states, and this further one.
+template <typename State>
+CLI::Validator a_state(const std::map<std::string, State>& states, const std::string& further = {}) {
+  std::vector<std::string> known;
+  for (const auto& [name, state] : states) known.push_back(name);
+  if (!further.empty()) known.push_back(further);
+  return {[known](const std::string& text) -> std::string {
+            if (std::ranges::count(known, text) > 0) return "";
+            return "there is no state " + core::in_quotes(text) +
+                   core::suggestion(text, {known.begin(), known.end()});
+          },
+          ""};
 }
 
 // The seconds of a time such as "90m", "12h" or "7d"; empty for other texts.
@@ -74,21 +76,55 @@ std::string is_time(const std::string& text) {
   return seconds_of_time(text) ? "" : "must be a time such as 90m, 12h or 7d";
 }
 
-v1::ListJobsRequest request_of(const ListOptions& options) {
+// Empty if the text is.
+std::optional<google::protobuf::Timestamp> before_now(const std::string& text) {
+  const auto seconds = seconds_of_time(text);
+  if (!seconds) return std::nullopt;
+  google::protobuf::Timestamp time;
+  time.set_seconds(static_cast<std::int64_t>(seconds_since_1970()) - *seconds);
+  return time;
+}
+
+v1::ListJobsRequest jobs_request(const ListOptions& options) {
   v1::ListJobsRequest request;
-  for (const std::string& state : options.states) request.add_states(states_by_name().at(state));
+  for (const std::string& state : options.states)
+    state == kQueued ? request.set_queued(true) : request.add_states(proto::job_states_by_name().at(state));
   if (options.owner) request.set_owner(*options.owner);
-  if (const auto seconds = seconds_of_time(options.since))
-    request.mutable_created_from()->set_seconds(static_cast<std::int64_t>(seconds_since_1970()) - *seconds);
+  if (const auto time = before_now(options.since)) *request.mutable_created_from() = *time;
   request.mutable_labels()->insert(options.labels.begin(), options.labels.end());
   return request;
+}
+
+v1::ListWorkersRequest workers_request(const ListOptions& options) {
+  v1::ListWorkersRequest request;
+  for (const std::string& state : options.states)
+    request.add_states(proto::worker_states_by_name().at(state));
+  if (options.principal) request.set_principal(*options.principal);
+  if (const auto time = before_now(options.seen_within)) *request.mutable_seen_from() = *time;
+  if (const auto time = before_now(options.unseen_for)) *request.mutable_seen_before() = *time;
+  return request;
+}
+
+// A coordinator of an earlier release would ignore the filter, and list everything.
+core::Status expect_filter(Farm& farm, bool is_used, std::string_view feature) {
+  if (!is_used) return {};
+  const auto has = has_feature(farm, feature);
+  if (!has) return core::fail(has.error());
+  if (*has) return {};
+  return core::fail(core::ErrorCode::kFailedPrecondition,
+                    fmt::format("the coordinator at {} is of an earlier release, which does not filter so: "
+                                "update it, or list without these options",
+                                farm.address()));
 }
 
 int run_jobs(const ListOptions& options) {
   const auto opened = Farm::open(options.farm);
   if (!opened) return print_error(opened.error());
   Farm& farm = **opened;
-  const auto jobs = list_jobs(farm, request_of(options), options.limit);
+  const v1::ListJobsRequest request = jobs_request(options);
+  if (auto known = expect_filter(farm, request.queued(), "queued-jobs"); !known)
+    return print_error(known.error());
+  const auto jobs = list_jobs(farm, request, options.limit);
   if (!jobs) return print_error(jobs.error());
   print_result(options.json ? to_json_lines(jobs->jobs())
                             : jobs_table(*jobs, seconds_since_1970(), stdout_style()));
@@ -114,7 +150,10 @@ int run_workers(const ListOptions& options) {
   const auto opened = Farm::open(options.farm);
   if (!opened) return print_error(opened.error());
   Farm& farm = **opened;
-  const auto workers = list_workers(farm);
+  const v1::ListWorkersRequest request = workers_request(options);
+  if (auto known = expect_filter(farm, request.ByteSizeLong() > 0, "worker-filters"); !known)
+    return print_error(known.error());
+  const auto workers = list_workers(farm, request);
   if (!workers) return print_error(workers.error());
   print_result(options.json ? to_json_lines(workers->workers())
                             : workers_table(*workers, seconds_since_1970(), stdout_style()));
@@ -148,8 +187,11 @@ std::pair<CLI::App*, std::shared_ptr<ListOptions>> add(CLI::App& app, int& exit_
 void add_jobs_command(CLI::App& app, int& exit_code) {
   const auto [jobs, options] = add(app, exit_code, "jobs", "List the jobs, newest first", run_jobs,
                                    "tessera jobs --state running --state paused --since 7d");
-  jobs->add_option("--state", options->states, "Only jobs in this state; repeat it for several")
-      ->check(CLI::Validator(is_state, ""))
+  jobs->add_option(
+          "--state", options->states,
+          "Only jobs in this state, as the table shows it; repeat it for several. running: with those "
+          "that are queued")
+      ->check(a_state(proto::job_states_by_name(), kQueued))
       ->type_name("STATE")
       ->allow_extra_args(false);
   add_label_option(*jobs, "Only jobs with this label; repeated, only those with all of them",
@@ -163,13 +205,35 @@ void add_jobs_command(CLI::App& app, int& exit_code) {
       ->type_name("N");
 }
 
+void add_workers_command(CLI::App& app, int& exit_code) {
+  const auto [workers, options] = add(app, exit_code, "workers", "List the workers", run_workers,
+                                      "tessera workers --state silent --unseen-for 1h");
+  workers
+      ->add_option("--state", options->states,
+                   "Only workers in this state, as the table shows it; repeat it for several")
+      ->check(a_state(proto::worker_states_by_name()))
+      ->type_name("STATE")
+      ->allow_extra_args(false);
+  workers->add_option("--principal", options->principal, "Only workers that call as this principal")
+      ->type_name("NAME");
+  workers
+      ->add_option("--seen-within", options->seen_within,
+                   "Only workers seen in the last so much time, such as 5m")
+      ->check(CLI::Validator(is_time, ""))
+      ->type_name("TIME");
+  workers
+      ->add_option("--unseen-for", options->unseen_for, "Only workers not seen for so much time, such as 1h")
+      ->check(CLI::Validator(is_time, ""))
+      ->type_name("TIME");
+}
+
 }  // namespace
 
 void add_list_commands(CLI::App& app, int& exit_code) {
   add_jobs_command(app, exit_code);
   const auto [job, options] = add(app, exit_code, "job", "Show one job in full", run_job, "tessera job 1f0c");
   add_job_argument(*job, options->job);
-  add(app, exit_code, "workers", "List the workers", run_workers, "tessera workers");
+  add_workers_command(app, exit_code);
   add(app, exit_code, "server", "Show the coordinator's release and limits, and the caller's role",
       run_server, "tessera server");
 }

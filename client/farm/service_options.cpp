@@ -43,7 +43,7 @@ void add_service_options(CLI::App& command, const std::string& when_absent, Serv
             options.max_workers =
                 static_cast<std::uint32_t>(parse_whole_number("--max-workers", text, 0, kMax));
           },
-          "Most workers that render the job at once; 0 for no limit [default: " + when_absent + "]")
+          "Maximum workers that render the job at once; 0 for no limit [default: " + when_absent + "]")
       ->type_name("N");
 }
 

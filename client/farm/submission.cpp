@@ -25,7 +25,7 @@ constexpr std::chrono::minutes kSubmitPatience{30};
 v1::SubmitJobRequest make_request(const Submission& submission, const LocalBundle& local) {
   v1::SubmitJobRequest request;
   request.set_request_id(fmt::format("{:016x}{:016x}", proto::random_seed(), proto::random_seed()));
-  request.set_name(submission.name);
+  request.set_name(submission.name.empty() ? local.name : submission.name);
   *request.mutable_bundle() = local.bundle;
   *request.mutable_overrides() = proto::to_proto(submission.overrides);
   request.set_priority(submission.service.priority.value_or(0));

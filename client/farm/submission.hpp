@@ -18,7 +18,7 @@ namespace tessera::client {
 struct Submission {
   core::RenderOverrides overrides{};
   core::DisplayOverrides display{};
-  std::string name{};  // empty: that of the scene file
+  std::string name{};  // empty: the scene's
   ServiceOptions service{};
   Labels labels{};
   std::vector<std::int32_t> frames{};  // an image for each, in this order; empty: one of frame 0

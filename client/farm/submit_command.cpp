@@ -10,16 +10,16 @@
 #include "client/console.hpp"
 #include "client/farm/bundle.hpp"
 #include "client/farm/farm.hpp"
+#include "client/farm/image_download.hpp"
 #include "client/farm/job_text.hpp"
 #include "client/farm/label_option.hpp"
-#include "client/farm/picture_download.hpp"
 #include "client/farm/service_options.hpp"
 #include "client/farm/single_commands.hpp"
 #include "client/farm/submission.hpp"
 #include "client/farm/watching.hpp"
 #include "client/frames.hpp"
+#include "client/image_files.hpp"
 #include "client/interrupt.hpp"
-#include "client/picture_files.hpp"
 #include "client/scene_flags.hpp"
 #include "core/base/printable.hpp"
 #include "proto/text.hpp"
@@ -75,12 +75,12 @@ core::Result<v1::Job> download_frames(Farm& farm, const SubmitOptions& options, 
   const auto& paths = options.scene.output_paths;
   const std::vector<std::int32_t> frames = render_order(options.frames);
   written = paths;
-  if (frames.empty()) return download_finished_pictures(farm, id, paths);
+  if (frames.empty()) return download_finished_images(farm, id, paths);
   written.clear();
   v1::Job job;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const std::vector<std::string> of_frame = paths_of_frame(paths, frames[i]);
-    auto got = download_finished_pictures(farm, id, of_frame, static_cast<std::uint32_t>(i));
+    auto got = download_finished_images(farm, id, of_frame, static_cast<std::uint32_t>(i));
     if (!got || got->state() != v1::JOB_STATE_DONE) return got;
     written.insert(written.end(), of_frame.begin(), of_frame.end());
     job = *std::move(got);
@@ -101,15 +101,15 @@ int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& subm
       return kExitOk;
     }
     std::vector<std::string> written;
-    const auto pictured = download_frames(farm, options, job->id(), written);
-    if (!pictured) {
-      print_error(pictured.error());
+    const auto downloaded = download_frames(farm, options, job->id(), written);
+    if (!downloaded) {
+      print_error(downloaded.error());
       print_hint(fmt::format("tessera image {} -o FILE", short_id(job->id())));
       return interrupted() ? kExitInterrupted : kExitFailed;
     }
-    if (pictured->state() == v1::JOB_STATE_DONE) {
-      if (options.json) print_result(to_json_line(*pictured));
-      print_summary(*pictured, written);
+    if (downloaded->state() == v1::JOB_STATE_DONE) {
+      if (options.json) print_result(to_json_line(*downloaded));
+      print_summary(*downloaded, written);
       return kExitOk;
     }
     print_warning("the job is not done any more; waiting for it");
@@ -121,13 +121,12 @@ int run_submit(const SubmitOptions& options) {
   const auto& paths = options.scene.output_paths;
   const std::vector<std::int32_t> frames = render_order(options.frames);
   const auto first_paths = frames.empty() ? paths : paths_of_frame(paths, frames.front());
-  if (core::Status writable = check_picture_paths(first_paths); !writable)
-    return print_error(writable.error());
+  if (core::Status writable = check_image_paths(first_paths); !writable) return print_error(writable.error());
   const auto local = bundle_scene(
       options.scene.scene_path,
       {.overrides = options.scene.overrides, .parameters = options.scene.parameters, .frames = frames});
   if (!local) return print_error(local.error());
-  core::Status fits = check_picture_size(paths, local->settings);
+  core::Status fits = check_image_size(paths, local->settings);
   if (!fits) return print_error(fits.error());
   print_warnings(local->warnings);
   warn_about_idle_layers(paths, local->settings.layers);
@@ -166,7 +165,10 @@ void add_submit_command(CLI::App& app, int& exit_code) {
   add_parameter_option(*command, options->scene.parameters);
   add_override_options(*command, options->scene.overrides);
   add_display_options(*command, options->scene.display);
-  command->add_option("--name", options->name, "Name of the job [default: the scene file's name]")
+  command
+      ->add_option("--name", options->name,
+                   "Name of the job [default: the scene file's name without its ending, or the name of "
+                   "its folder if the file is scene.json]")
       ->type_name("NAME");
   add_service_options(*command, "0", options->service);
   add_label_option(*command, "Label of the job, to find it by; can be repeated", options->labels);

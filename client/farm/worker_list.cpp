@@ -5,9 +5,8 @@
 
 namespace tessera::client {
 
-core::Result<v1::ListWorkersResponse> list_workers(Farm& farm) {
+core::Result<v1::ListWorkersResponse> list_workers(Farm& farm, v1::ListWorkersRequest request) {
   v1::ListWorkersResponse all;
-  v1::ListWorkersRequest request;
   do {
     auto page = farm.call(&Farm::Stub::ListWorkers, request);
     if (!page) return core::fail(page.error());

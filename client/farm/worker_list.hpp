@@ -7,7 +7,7 @@
 
 namespace tessera::client {
 
-// All workers, in the order of their ids. Blocks as Farm::call() does, for each page.
-core::Result<v1::ListWorkersResponse> list_workers(Farm& farm);
+// All workers that the request is for, in the order of their ids. Blocks as Farm::call() does, for each page.
+core::Result<v1::ListWorkersResponse> list_workers(Farm& farm, v1::ListWorkersRequest request);
 
 }  // namespace tessera::client

@@ -27,7 +27,7 @@ using testing::IsEmpty;
 using testing::StartsWith;
 using testing::UnorderedElementsAre;
 
-TEST_F(CommandLine, RenderWritesEveryPictureAndSaysSo) {
+TEST_F(CommandLine, RenderWritesEveryImageAndSaysSo) {
   const ProcessResult result = render({"-o", path("a.png"), "-o", path("a.exr")});
   EXPECT_EQ(result.exit_status, 0) << result.err;
   EXPECT_EQ(result.out, "");
@@ -109,7 +109,7 @@ TEST_F(CommandLine, ASceneWhoseLightIsTooSmallToCountIsWarnedAbout) {
   EXPECT_THAT(result.err, Not(HasSubstr("the image is black")));
 }
 
-TEST_F(CommandLine, ABlackPictureIsWarnedAbout) {
+TEST_F(CommandLine, ABlackImageIsWarnedAbout) {
   write("scene.json", scene_text("1", "[0, 0, 9]"));
   const ProcessResult result = render({"-o", path("a.pfm"), "-q"});
   EXPECT_EQ(result.exit_status, 0) << result.err;
@@ -155,7 +155,7 @@ TEST_F(CommandLine, AnImageIsNoScene) {
   }
 }
 
-TEST_F(CommandLine, FailuresExitWith1AndLeaveNoPicture) {
+TEST_F(CommandLine, FailuresExitWith1AndLeaveNoImage) {
   write("broken.json", "{");
   const std::vector<std::vector<std::string>> failures = {
       {"render", path("missing.json"), "-o", path("a.png")},
@@ -240,8 +240,8 @@ TEST_F(CommandLine, HelpAndVersionGoToStdout) {
   }
 }
 
-// The file of a window is that of a picture which consists of nothing else.
-TEST_F(CommandLine, AWindowIsThosePixelsOfTheWholePicture) {
+// The file of a window is that of an image which consists of nothing else.
+TEST_F(CommandLine, AWindowIsThosePixelsOfTheWholeImage) {
   write("pixels.json", R"({"render": {"width": 90, "height": 80, "spp": 4, "filter": "gaussian"},)" +
                            scene_text("1", "[0, 0, 0]").substr(scene_text("1", "").find("\n  \"camera\"")));
   const auto files = [&](const std::string& name) {
@@ -281,7 +281,7 @@ TEST_F(CommandLine, AWindowIsThosePixelsOfTheWholePicture) {
   }
 }
 
-TEST_F(CommandLine, AWindowOutsideThePictureIsRefused) {
+TEST_F(CommandLine, AWindowOutsideTheImageIsRefused) {
   const ProcessResult result = render({"-o", path("a.png"), "--crop", "0,0,41,30"});
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.err,

@@ -12,7 +12,9 @@ namespace tessera::client {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 
 class ImportAndInfo : public CommandLine {};
 
@@ -77,6 +79,28 @@ TEST_F(ImportAndInfo, InfoListsWhatCanBeChosen) {
   EXPECT_EQ(wrong.exit_status, 1);
   EXPECT_THAT(wrong.err, HasSubstr("there is no camera 'top'; the file has 0 ('left'), 1 ('right')"));
   EXPECT_EQ(run_tessera({"info", path("room.xml"), "--animation-time", "soon"}).exit_status, 2);
+}
+
+TEST_F(ImportAndInfo, ImportSaysAsJsonWhatItHasDone) {
+  write("room.xml", kTwoSensors);
+  const auto imported = run_tessera({"import", path("room.xml"), "-o", path("caf\xc3\xa9.json"), "--json"});
+  ASSERT_EQ(imported.exit_status, 0) << imported.err;
+  EXPECT_EQ(imported.err, "");
+  EXPECT_EQ(imported.out.find('\n'), imported.out.size() - 1);
+  EXPECT_THAT(imported.out, HasSubstr("caf\\u00e9.json"));
+  const auto json = nlohmann::json::parse(imported.out);
+  EXPECT_EQ(json["file"], path("room.xml"));
+  EXPECT_EQ(json["format"], "Mitsuba");
+  EXPECT_THAT(json["written"], Contains(path("caf\xc3\xa9.json")));
+  const std::string told = "the parameter 'shine' is ignored";
+  EXPECT_THAT(json["warnings"].dump(), HasSubstr(told + " (2 times)"));
+  const auto report =
+      nlohmann::json::parse(run_tessera({"import", path("room.xml"), "--report", "--json"}).out);
+  EXPECT_THAT(report["warnings"].dump(), AllOf(HasSubstr(told + "\""), Not(HasSubstr("times"))));
+  EXPECT_EQ(report["written"], nlohmann::json::array());
+  const auto lost = run_tessera({"import", path("gone.xml"), "--report", "--json"});
+  EXPECT_EQ(lost.exit_status, 1);
+  EXPECT_EQ(lost.out, "");
 }
 
 // A render tells a kind once, and the report each place.

@@ -143,7 +143,7 @@ TEST_F(LocalRenderTest, TellsObserversOfEveryTile) {
 }
 
 // Whatever reaches a pixel from its neighbours' places, it reaches it in a window as well: also at its edge.
-TEST_F(LocalRenderTest, OfAWindowGivesThosePixelsOfTheWholePicture) {
+TEST_F(LocalRenderTest, OfAWindowGivesThosePixelsOfTheWholeImage) {
   settings_.filter = core::default_filter(core::FilterKind::kGaussian);
   SharedFilm whole_film = empty_film();
   EXPECT_TRUE(render(whole_film, kNever));

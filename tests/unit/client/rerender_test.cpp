@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,20 @@ TEST_F(Rerender, GivesTheSameBytesFromTheSceneBesideTheImage) {
   EXPECT_TRUE(read_file(path("a.exr")) == read_file(path("b.exr")));
 }
 
+TEST_F(Rerender, TellsItsProgressAsJson) {
+  render({"-o", path("a.exr"), "--spp", "3", "--size", "20x16"});
+  const ProcessResult result = run_tessera({"rerender", path("a.exr"), "-o", path("b.exr"), "--json"});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  const std::size_t last = result.out.rfind('\n', result.out.size() - 2) + 1;
+  const auto first = nlohmann::json::parse(result.out.substr(0, result.out.find('\n')));
+  EXPECT_EQ(first["state"], "running");
+  const auto line = nlohmann::json::parse(result.out.substr(last));
+  EXPECT_EQ(line["state"], "done");
+  EXPECT_EQ(line["samples_done"], 20 * 16 * 3);
+  EXPECT_EQ(line["written"], nlohmann::json::array({path("b.exr")}));
+}
+
 TEST_F(Rerender, TakesImagesWithoutLayers) {
   render({"-o", path("plain.exr"), "--spp", "3", "--seed", "7", "--size", "20x16"});
   const ProcessResult result = rerender({path("plain.exr"), "-o", path("b.exr")});
@@ -67,8 +82,7 @@ TEST_F(Rerender, RefusesAnotherSceneAndImagesOfOtherPrograms) {
       HasSubstr("'" + path("plain.exr") +
                 "' does not say how it was rendered: only OpenEXR images that Tessera has rendered do"));
   const std::string png = rerender({path("a.png"), "-o", path("b.exr")}).err;
-  EXPECT_THAT(
-      png, testing::AllOf(HasSubstr("is no OpenEXR image ("), HasSubstr("only those say how")));
+  EXPECT_THAT(png, testing::AllOf(HasSubstr("is no OpenEXR image ("), HasSubstr("only those say how")));
   const ProcessResult moved = rerender({path("a.exr"), "-D", "camera.position=[0,0,5]", "-o", path("b.exr")});
   EXPECT_EQ(moved.exit_status, 1);
   EXPECT_THAT(moved.err, HasSubstr("is not the scene that the image was rendered from"));

@@ -77,7 +77,7 @@ TEST_F(Scarcity, OfStdoutIsAFailureThatSaysSo) {
   }
 }
 
-TEST_F(Scarcity, OfReadersOfStdoutIsAQuietEnd) {
+TEST_F(Scarcity, OfReadersOfStdoutEndsWithoutAMessage) {
   const auto result = run_tessera_after([] { send_to_nobody(STDOUT_FILENO); }, {"schema"});
   EXPECT_EQ(result.exit_status, 0);
   EXPECT_EQ(result.err, "");

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -123,6 +124,17 @@ TEST(SceneFlags, AWindowIsFourWholeNumbers) {
               "--crop: must be X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1, such as 100,40,164,72; got '" +
                   std::string(crop) + "'");
   }
+}
+
+TEST(SceneFlags, AScenesNameTellsItFromOthers) {
+  EXPECT_EQ(scene_name("scenes/veach/scene.json"), "veach");
+  EXPECT_EQ(scene_name("/scenes/go/./scene.json"), "go");
+  EXPECT_EQ(scene_name("scenes/veach/../go/scene.pbrt"), "go");
+  EXPECT_EQ(scene_name("scene.json"), std::filesystem::current_path().filename().string());
+  EXPECT_EQ(scene_name("/scene.json"), "scene");
+  EXPECT_EQ(scene_name("scenes/glass/fresnel.json"), "fresnel");
+  EXPECT_EQ(scene_name("model.v2.glb"), "model.v2");
+  EXPECT_EQ(scene_name("a\x1b/scene.json"), "a\\x1b");
 }
 
 }  // namespace

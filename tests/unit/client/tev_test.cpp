@@ -86,7 +86,8 @@ TEST_F(TevTest, ShowsLayersAsChannels) {
   viewer.wait_for_end();
   const auto shown = viewer.all()["out.exr"];
   EXPECT_THAT(shown.channels, ElementsAre("R", "G", "B", "Normal.X", "Normal.Y", "Normal.Z", "Depth.Z"));
-  core::LayerRows rows(film.grid(), settings_.layers, [&](int tile) { return film.tile(tile); });
+  core::LayerRows rows(film.grid(), film.grid().window(), settings_.layers,
+                       [&](int tile) { return film.tile(tile); });
   for (int y = 0; y < shown.height; ++y) {
     const std::size_t count = static_cast<std::size_t>(shown.width) * shown.channels.size();
     const float* const row = shown.values.data() + static_cast<std::size_t>(y) * count;

@@ -31,6 +31,7 @@ TEST(Bundle, HoldsTheSceneAndEveryFileItReads) {
   const auto local = bundle_scene(kFolder + "/scene.json", {.overrides = overrides});
   ASSERT_TRUE(local.has_value()) << local.error().message;
   EXPECT_EQ(local->bundle.scene_path(), "scene.json");
+  EXPECT_EQ(local->name, "cornell");
   std::vector<std::string> paths;
   for (const v1::Bundle::Asset& asset : local->bundle.assets()) {
     paths.push_back(asset.path());

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "client/farm/bundle.hpp"
-#include "client/farm/picture_download.hpp"
+#include "client/farm/image_download.hpp"
 #include "client/farm/submission.hpp"
 #include "client/farm/upload.hpp"
 #include "client/farm/watching.hpp"
@@ -36,16 +36,16 @@ class BusyService final : public v1::RenderService::Service {
   grpc::Status GetImage(grpc::ServerContext* context, const v1::GetImageRequest*,
                         grpc::ServerWriter<v1::GetImageResponse>* writer) override {
     v1::GetImageResponse response;
-    response.mutable_header()->set_size_bytes(7);
-    response.mutable_header()->mutable_job()->set_state(pictured);
-    response.set_data("pic");
+    response.mutable_header()->set_size_bytes(5);
+    response.mutable_header()->mutable_job()->set_state(imaged);
+    response.set_data("im");
     writer->Write(response);
     if (++calls <= refusals) {
       context->TryCancel();
       return {code, "CANCELLED"};
     }
     response.clear_header();
-    response.set_data("ture");
+    response.set_data("age");
     writer->Write(response);
     return grpc::Status::OK;
   }
@@ -101,7 +101,7 @@ class BusyService final : public v1::RenderService::Service {
   grpc::StatusCode code = grpc::StatusCode::RESOURCE_EXHAUSTED;
   std::string pushback = "1";
   std::string reason = "there are too many calls from here";
-  std::atomic<v1::JobState> pictured{v1::JOB_STATE_DONE};
+  std::atomic<v1::JobState> imaged{v1::JOB_STATE_DONE};
   std::atomic<int> calls{0}, questions{0}, uploads{0};
 };
 
@@ -161,30 +161,30 @@ TEST_F(FarmCalls, ThatWaitSayEachReasonOnce) {
   }
 }
 
-TEST_F(FarmCalls, ForPicturesThatTheCoordinatorEndedAreTriedAgain) {
+TEST_F(FarmCalls, ForImagesThatTheCoordinatorEndedAreTriedAgain) {
   reach();
   const std::string path = testing::TempDir() + "/ended.pfm";
   service_.refusals = 2;
   service_.code = grpc::StatusCode::CANCELLED;
   testing::internal::CaptureStderr();
-  const auto job = download_pictures(*farm_, "id", {path}, {});
+  const auto job = download_images(*farm_, "id", {path}, {});
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("ended the call: it is stopping, or"));
   EXPECT_TRUE(job) << job.error().message;
   EXPECT_EQ(service_.calls, 3);
   std::ifstream file(path, std::ios::binary);
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), "picture");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), "image");
 }
 
-TEST_F(FarmCalls, ForPicturesOfAJobThatRunsAgainWriteNothing) {
+TEST_F(FarmCalls, ForImagesOfAJobThatRunsAgainWriteNothing) {
   const std::string path = testing::TempDir() + "/finished.pfm";
   std::filesystem::remove(path);
-  service_.pictured = v1::JOB_STATE_RUNNING;
-  auto job = download_finished_pictures(*farm_, "id", {path});
+  service_.imaged = v1::JOB_STATE_RUNNING;
+  auto job = download_finished_images(*farm_, "id", {path});
   ASSERT_TRUE(job) << job.error().message;
   EXPECT_EQ(job->state(), v1::JOB_STATE_RUNNING);
   EXPECT_FALSE(std::filesystem::exists(path));
-  service_.pictured = v1::JOB_STATE_DONE;
-  job = download_finished_pictures(*farm_, "id", {path});
+  service_.imaged = v1::JOB_STATE_DONE;
+  job = download_finished_images(*farm_, "id", {path});
   ASSERT_TRUE(job) << job.error().message;
   EXPECT_EQ(job->state(), v1::JOB_STATE_DONE);
   EXPECT_TRUE(std::filesystem::exists(path));
@@ -234,7 +234,7 @@ TEST_F(FarmCalls, AnUploadThatBrokeAsksFirstWhatIsMissing) {
 }
 
 // The command says why it waits; it says that the coordinator is back only if it was lost.
-TEST_F(FarmCalls, WhoWatchesIsToldWhyThatWaits) {
+TEST_F(FarmCalls, ReportWhyAWatchWaits) {
   const auto notices = [&] {
     std::vector<std::string> all;
     const auto job = watch_job(
@@ -313,9 +313,9 @@ TEST_F(FarmCalls, ToACoordinatorThatIsLostAreTriedAgainForAWhile) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr(lost + "; trying again for up to 1 s"));
   ASSERT_FALSE(uploaded);
   EXPECT_EQ(uploaded.error().message, lost + "; this was tried for 1 s");
-  const auto picture = download_pictures(*farm_, "id", {testing::TempDir() + "/lost.pfm"}, {});
-  ASSERT_FALSE(picture);
-  EXPECT_THAT(picture.error().message, HasSubstr(lost + "; this was tried for 1 s"));
+  const auto image = download_images(*farm_, "id", {testing::TempDir() + "/lost.pfm"}, {});
+  ASSERT_FALSE(image);
+  EXPECT_THAT(image.error().message, HasSubstr(lost + "; this was tried for 1 s"));
 }
 
 // Closes connections at once, as a coordinator at its connection limit does.
@@ -404,7 +404,7 @@ TEST_F(FarmCalls, ReachACoordinatorThatStartsMeanwhile) {
 }
 
 // An unknown host name does not mean that a coordinator is starting.
-TEST_F(FarmCalls, ToAMachineThatNobodyKnowsFailAtOnce) {
+TEST_F(FarmCalls, ToAnUnknownHostFailAtOnce) {
   open_farm({.address = "nowhere.invalid:7420",
              .security = {.insecure = true},
              .start_patience = std::chrono::seconds(60)});
@@ -414,7 +414,7 @@ TEST_F(FarmCalls, ToAMachineThatNobodyKnowsFailAtOnce) {
   EXPECT_EQ(told_, "");
 }
 
-TEST_F(FarmCalls, WarnOfSecretsThatEverybodyCanRead) {
+TEST_F(FarmCalls, WarnOfWorldReadableSecrets) {
   const std::string token = testing::TempDir() + "/exposed.token";
   std::ofstream(token) << "secret\n";
   const auto told_of = [&](std::filesystem::perms rights) {

@@ -39,7 +39,7 @@ TEST(JobText, OnlyWhatIsCompleteIsAHundredPercent) {
       "1:30 ago\n");
 }
 
-TEST(JobText, SaysHowAJobIsServedAndWhichPartOfThePictureItIs) {
+TEST(JobText, SaysHowAJobIsServedAndWhichPartOfTheImageItIs) {
   v1::ListJobsResponse jobs;
   v1::Job& job = *jobs.add_jobs() = some_job();
   job.set_priority(-5);
@@ -123,7 +123,7 @@ TEST(JobText, SaysHowWorkersAreDoing) {
               HasSubstr("\nmachine () is quarantined: it rendered different bits\n"));
 }
 
-TEST(JobText, SaysWhoIsGivenNothingAndForHowLong) {
+TEST(JobText, NamesWorkersInCooldownAndItsEnd) {
   v1::ListWorkersResponse workers;
   v1::Worker& worker = *workers.add_workers();
   worker.set_name("machine");
@@ -153,7 +153,7 @@ TEST(JobText, SaysHowMuchIsToBeVerified) {
   EXPECT_THAT(job_description(job, 1090), HasSubstr("42 samples"));
 }
 
-TEST(JobText, ProgressSaysWhoWorks) {
+TEST(JobText, ProgressNamesTheWorkers) {
   v1::Job job = some_job();
   EXPECT_EQ(progress_of(job).note, "2 workers");
   job.set_active_workers(1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/farm/picture_download.hpp"
+#include "client/farm/image_download.hpp"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 using core::fail;
 
-struct DownloadedPicture {
+struct DownloadedImage {
   v1::Job job;
   std::string bytes;
 };
@@ -35,31 +35,31 @@ v1::ImageFormat to_proto(core::ImageFormat format) {
   return v1::IMAGE_FORMAT_UNSPECIFIED;
 }
 
-core::Result<DownloadedPicture> download(Farm& farm, const v1::GetImageRequest& request, bool& progress) {
+core::Result<DownloadedImage> download(Farm& farm, const v1::GetImageRequest& request, bool& progress) {
   grpc::ClientContext context;
   const std::jthread canceller = cancel_at_interrupt(context);
   const auto stream = farm.stub().GetImage(&context, request);
-  DownloadedPicture picture;
+  DownloadedImage image;
   std::uint64_t size_bytes = 0;
   v1::GetImageResponse response;
   while (stream->Read(&response)) {
     if (response.has_header()) {
       size_bytes = response.header().size_bytes();
-      picture.job = response.header().job();
+      image.job = response.header().job();
     }
-    picture.bytes += response.data();
+    image.bytes += response.data();
     progress = true;
   }
   const grpc::Status status = stream->Finish();
   if (!status.ok()) return fail(farm.explain(status, context));
-  if (picture.bytes.empty() || picture.bytes.size() != size_bytes)
+  if (image.bytes.empty() || image.bytes.size() != size_bytes)
     return fail(core::ErrorCode::kUnavailable,
-                fmt::format("the image broke off after {} of {} bytes", picture.bytes.size(), size_bytes));
-  return picture;
+                fmt::format("the image broke off after {} of {} bytes", image.bytes.size(), size_bytes));
+  return image;
 }
 
 core::Result<v1::Job> download_to(Farm& farm, const std::string& job_id,
-                                  const std::vector<std::string>& paths, const PictureView& view,
+                                  const std::vector<std::string>& paths, const ImageView& view,
                                   bool only_finished) {
   v1::Job job;
   for (const std::string& path : paths) {
@@ -72,26 +72,26 @@ core::Result<v1::Job> download_to(Farm& farm, const std::string& job_id,
     request.set_layer(view.layer);
     *request.mutable_display() = proto::to_proto(view.display);
     if (view.region) *request.mutable_region() = proto::to_proto(*view.region);
-    auto picture =
-        patiently<DownloadedPicture>(farm, [&](bool& progress) { return download(farm, request, progress); });
-    if (!picture) return fail(picture.error().within(path));
-    if (only_finished && picture->job.state() != v1::JOB_STATE_DONE) return std::move(picture->job);
-    if (core::Status written = core::write_file_atomically(path, picture->bytes); !written)
+    auto image =
+        patiently<DownloadedImage>(farm, [&](bool& progress) { return download(farm, request, progress); });
+    if (!image) return fail(image.error().within(path));
+    if (only_finished && image->job.state() != v1::JOB_STATE_DONE) return std::move(image->job);
+    if (core::Status written = core::write_file_atomically(path, image->bytes); !written)
       return fail(written.error());
-    job = std::move(picture->job);
+    job = std::move(image->job);
   }
   return job;
 }
 
 }  // namespace
 
-core::Result<v1::Job> download_pictures(Farm& farm, const std::string& job_id,
-                                        const std::vector<std::string>& paths, const PictureView& view) {
+core::Result<v1::Job> download_images(Farm& farm, const std::string& job_id,
+                                      const std::vector<std::string>& paths, const ImageView& view) {
   return download_to(farm, job_id, paths, view, false);
 }
 
-core::Result<v1::Job> download_finished_pictures(Farm& farm, const std::string& job_id,
-                                                 const std::vector<std::string>& paths, std::uint32_t image) {
+core::Result<v1::Job> download_finished_images(Farm& farm, const std::string& job_id,
+                                               const std::vector<std::string>& paths, std::uint32_t image) {
   return download_to(farm, job_id, paths, {.image = image}, true);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/picture_files.hpp"
+#include "client/image_files.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@ namespace tessera::client {
 
 using core::Status;
 
-Status check_picture_paths(const std::vector<std::string>& paths) {
+Status check_image_paths(const std::vector<std::string>& paths) {
   for (auto path = paths.begin(); path != paths.end(); ++path) {
     const core::Result<core::ImageFormat> format = core::image_format_from_path(*path);
     if (!format) return core::fail(format.error());
@@ -25,7 +25,7 @@ Status check_picture_paths(const std::vector<std::string>& paths) {
   return {};
 }
 
-Status check_picture_size(const std::vector<std::string>& paths, const core::RenderSettings& settings) {
+Status check_image_size(const std::vector<std::string>& paths, const core::RenderSettings& settings) {
   const core::PixelRect window = settings.window();
   for (const std::string& path : paths) {
     const core::Result<core::ImageFormat> format = core::image_format_from_path(path);
@@ -70,25 +70,25 @@ Status write_each(const std::vector<std::string>& paths, const Encode& encode) {
 
 }  // namespace
 
-Status write_pictures(const std::vector<std::string>& paths, const core::Image& image,
-                      const core::RenderSettings& settings, const core::DisplaySettings& display,
-                      const core::TextAttributes& attributes) {
+Status write_image_files(const std::vector<std::string>& paths, const core::Image& image,
+                         const core::RenderSettings& settings, const core::DisplaySettings& display,
+                         const core::TextAttributes& attributes) {
   const auto position = position_of(settings);
   return write_each(paths, [&](core::ImageFormat format) {
     return core::encode_image(image, format, display, position, attributes);
   });
 }
 
-Status write_layers(const std::vector<std::string>& paths, const LayerPicture& picture,
+Status write_layers(const std::vector<std::string>& paths, const LayerImage& image,
                     const core::DisplaySettings& display) {
-  const core::TileGrid grid(picture.settings.window(), core::kTilePx);
-  core::LayerRows rows(grid, picture.settings.layers, picture.tile);
+  const core::TileGrid grid(image.settings.window(), core::kTilePx);
+  core::LayerRows rows(grid, grid.window(), image.settings.layers, image.tile);
   const core::ChannelRows source{grid.width(),
                                  grid.height(),
-                                 core::image_channels(picture.settings.layers),
+                                 core::image_channels(image.settings.layers),
                                  [&rows](int y) { return rows.row(y); },
-                                 position_of(picture.settings),
-                                 picture.attributes};
+                                 position_of(image.settings),
+                                 image.attributes};
   return write_each(paths,
                     [&](core::ImageFormat format) { return core::encode_channels(source, format, display); });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture files a command is asked to write (-o): checked before the work, written after it.
+// The image files a command is asked to write (-o): checked before the work, written after it.
 #pragma once
 
 #include <optional>
@@ -18,10 +18,10 @@
 namespace tessera::client {
 
 // Whether every name has an ending we know, none is given twice, and each could be written now.
-core::Status check_picture_paths(const std::vector<std::string>& paths);
+core::Status check_image_paths(const std::vector<std::string>& paths);
 
-// Whether the picture that the settings ask for fits the formats.
-core::Status check_picture_size(const std::vector<std::string>& paths, const core::RenderSettings& settings);
+// Whether the image that the settings ask for fits the formats.
+core::Status check_image_size(const std::vector<std::string>& paths, const core::RenderSettings& settings);
 
 // Warns that the options for PNG files change nothing where there are some, but no such file.
 void warn_about_idle_display(const std::vector<std::string>& paths, const core::DisplayOverrides& overrides);
@@ -29,21 +29,21 @@ void warn_about_idle_display(const std::vector<std::string>& paths, const core::
 // Where the window of the settings lies in the image; nothing if it is all of it.
 std::optional<core::ImagePosition> position_of(const core::RenderSettings& settings);
 
-// Writes the picture, the window of the settings, to each path, in order, PNG files as `display` says and
+// Writes the image, the window of the settings, to each path, in order, PNG files as `display` says and
 // `attributes` into the header of .exr files; stops at the first failure, which names the path.
-core::Status write_pictures(const std::vector<std::string>& paths, const core::Image& image,
-                            const core::RenderSettings& settings, const core::DisplaySettings& display,
-                            const core::TextAttributes& attributes = {});
+core::Status write_image_files(const std::vector<std::string>& paths, const core::Image& image,
+                               const core::RenderSettings& settings, const core::DisplaySettings& display,
+                               const core::TextAttributes& attributes = {});
 
 // An image with layers, from the sums of a film.
-struct LayerPicture {
+struct LayerImage {
   core::RenderSettings settings;
   core::LayerRows::TileSource tile;   // of the grid over the window of the settings
   core::TextAttributes attributes{};  // of the header of .exr files
 };
 
 // The same for an image with layers, tile row by tile row.
-core::Status write_layers(const std::vector<std::string>& paths, const LayerPicture& picture,
+core::Status write_layers(const std::vector<std::string>& paths, const LayerImage& image,
                           const core::DisplaySettings& display);
 
 // Warns if layers were chosen that none of the files can hold.
