@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds Tessera and runs every test once, in two passes:
+# Builds Tessera and runs every test, in two passes:
 #   1. with assertions, little optimised, under the address and undefined-behaviour sanitizers: the unit tests of files,
 #      command lines and the farm, for which optimising changes nothing, the shipped scenes in small, and the corpora of
-#      the fuzzers with mutants (tests/fuzz/README.md);
+#      the fuzzers with mutants (tests/fuzz/README.md). The tests labelled unsanitized, of which sanitizers prevent a
+#      part, run in the other pass as well;
 #   2. an optimised build: first core and the command line without the farm, and so without gRPC; then, in the same folder,
 #      everything, and all other tests. core is compiled a second time for AVX-512 where the processor has it, and once for
 #      any processor, whose images are compared.
@@ -28,11 +29,11 @@ scripts/setup.sh build package test
 echo "all there"
 
 heading "Pass 1 of 2: assertions, address and undefined-behaviour sanitizers"
-build asan "" tests_unit tests_farm tests_sanitizers tests_fuzz
+build asan "" tests_unit tests_farm tests_unsanitized tests_sanitizers tests_fuzz
 ASAN_OPTIONS=detect_stack_use_after_return=1 \
   LSAN_OPTIONS=suppressions=$PWD/tests/support/lsan.supp:print_suppressions=0 \
   UBSAN_OPTIONS=print_stacktrace=1 \
-  run_tests asan "$jobs" --label-regex '^(unit|farm|sanitizers|fuzz)$'
+  run_tests asan "$jobs" --label-regex '^(unit|farm|unsanitized|sanitizers|fuzz)$'
 
 heading "Pass 2 of 2: optimised, without the farm"
 build tests -DTESSERA_FARM=OFF client_test

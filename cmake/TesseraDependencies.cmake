@@ -17,6 +17,7 @@ pkg_check_modules(jpeg REQUIRED IMPORTED_TARGET libjpeg)
 pkg_check_modules(spng REQUIRED IMPORTED_TARGET spng)
 pkg_check_modules(tiff REQUIRED IMPORTED_TARGET libtiff-4)
 pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
+find_path(QOI_INCLUDE_DIR qoi.h REQUIRED)  # header-only, without CMake package
 pkg_check_modules(stb REQUIRED IMPORTED_TARGET stb)
 pkg_check_modules(sixel REQUIRED IMPORTED_TARGET libsixel)
 pkg_check_modules(deflate REQUIRED IMPORTED_TARGET libdeflate)

@@ -46,6 +46,10 @@ set(CPACK_DEBIAN_LIBTESSERA_PACKAGE_NAME ${library_package})
 set(CPACK_DEBIAN_LIBTESSERA_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBTESSERA_PACKAGE_CONTROL_EXTRA ${debian_dir}/triggers)
 set(CPACK_DEBIAN_LIBTESSERA-DEV_PACKAGE_SECTION libdevel)
+if(TESSERA_FARM)
+  # For `tessera demo`.
+  set(CPACK_DEBIAN_TESSERA_PACKAGE_RECOMMENDS "tessera-coordinator, tessera-worker")
+endif()
 set(CPACK_DEBIAN_TESSERA-COORDINATOR_PACKAGE_RECOMMENDS "python3, tessera")
 
 # Services: maintainer scripts, and files of options that belong to the machine.

@@ -5,11 +5,12 @@ set -euo pipefail
 
 usage() {
   cat <<'EOF_USAGE'
-Usage: deploy/make_certificates.sh [--bundle] DIR HOST... [--worker NAME]... [--user NAME]... [--admin NAME]...
-       deploy/make_certificates.sh [--bundle] --add DIR [--worker NAME]... [--user NAME]... [--admin NAME]...
+Usage: deploy/make_certificates.sh [--bundle] DIR HOST... [PERSON]...
+       deploy/make_certificates.sh [--bundle] --add DIR [PERSON]...
        deploy/make_certificates.sh [--bundle] --renew DIR NAME...
        deploy/make_certificates.sh --revoke DIR NAME...
 
+PERSON: --worker NAME, --user NAME, --viewer NAME (who may see everything and change nothing) or --admin NAME
 HOST: names and addresses by which others reach the coordinator, e.g. render.example.org 10.0.0.5
 NAME: a machine that renders, or a person; letters, digits, '.', '_' and '-', at most 32
 
@@ -63,7 +64,7 @@ read_person() {
   local role
   expect_name "$1" "${2:-}"
   case $2 in ca | coordinator | bundles | tokens) fail "'$2' names a file of the farm itself: choose another name" 2 ;; esac
-  case $1 in --worker) role=work ;; --user) role=submit ;; --admin) role="admin" ;; esac
+  case $1 in --worker) role=work ;; --user) role=submit ;; --viewer) role=watch ;; --admin) role="admin" ;; esac
   people+=("$role:$2")
 }
 
@@ -80,7 +81,8 @@ read_host() {
 while [ $# -gt 0 ]; do
   case $mode:$1 in
     *:--bundle) bundle=yes ;;
-    create:--worker | create:--user | create:--admin | add:--worker | add:--user | add:--admin)
+    create:--worker | create:--user | create:--viewer | create:--admin | \
+      add:--worker | add:--user | add:--viewer | add:--admin)
       read_person "$1" "${2:-}"
       shift ;;
     create:*) read_host "$1" ;;
@@ -95,7 +97,7 @@ if [ $mode = create ]; then
   [ ! -e "$directory" ] || fail "$directory exists already: choose a new folder, or --add to it"
 else
   [ -f "$directory/ca.key" ] || fail "$directory/ca.key is missing: name the folder that this script made"
-  [ $mode != add ] || [ ${#people[@]} -gt 0 ] || fail "--add needs --worker, --user or --admin" 2
+  [ $mode != add ] || [ ${#people[@]} -gt 0 ] || fail "--add needs --worker, --user, --viewer or --admin" 2
   [ $mode = add ] || [ ${#changed[@]} -gt 0 ] || fail "--$mode needs a NAME" 2
 fi
 for person in "${people[@]}"; do
@@ -192,7 +194,7 @@ bundle() {
     put "$1" tokens tokens
     return
   fi
-  grep -qE "^[[:space:]]*(submit|admin)[[:space:]]+${1//./\\.}[[:space:]]" tokens || as=worker
+  grep -qE "^[[:space:]]*(watch|submit|admin)[[:space:]]+${1//./\\.}[[:space:]]" tokens || as=worker
   put "$1" "$1.pem" $as.pem
   put "$1" "$1.key" $as.key
   put "$1" "$1.token" $as.token
@@ -225,7 +227,7 @@ for person in "${people[@]}"; do
   token "${person%%:*}" "${person#*:}"
 done
 if [ $mode = create ] && [ ${#people[@]} -eq 0 ]; then
-  [ -z "$bundle" ] || fail "--bundle needs --worker, --user or --admin: each bundle is for one machine or person" 2
+  [ -z "$bundle" ] || fail "--bundle needs --worker, --user, --viewer or --admin: each bundle is for one machine or person" 2
   certificate worker clientAuth
   certificate client clientAuth
   for role in submit work admin; do token $role $role shared; done

@@ -1,37 +1,37 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# measure_figures.sh DIR: from the pictures that run_all.sh rendered into DIR, the errors and times that
+# measure_figures.sh DIR: from the images that run_all.sh rendered into DIR, the errors and times that
 # docs/notebook/report.md reports, as Markdown. Errors are in linear light, against the reference of the same scene.
 set -euo pipefail
 
 [ $# -eq 1 ] || { echo "Usage: measure_figures.sh DIR" >&2; exit 2; }
-pictures=$1
+images=$1
 root=$(dirname "${BASH_SOURCE[0]}")/..
 tessera=$root/build/release/bin/tessera
 for name in small_light_{naive,nee,reference} uniform half_vector visible_normals cook_torrance_reference \
   veach_{naive,nee,mis}{,_pair_1,_pair_2} veach_reference; do
-  for file in "$pictures/$name.exr" "$pictures/$name.json"; do
+  for file in "$images/$name.exr" "$images/$name.json"; do
     [ -s "$file" ] || { echo "measure_figures.sh: there is no $file; ./run_all.sh makes it" >&2; exit 1; }
   done
 done
 
-# error_of KEY PICTURE REFERENCE [OPTIONS...]: a number of the comparison, e.g. mse.
+# error_of KEY IMAGE REFERENCE [OPTIONS...]: a number of the comparison, e.g. mse.
 error_of() {
-  local key=$1 picture=$2 reference=$3 status=0 json
+  local key=$1 image=$2 reference=$3 status=0 json
   shift 3
-  json=$("$tessera" compare "$pictures/$picture.exr" "$pictures/$reference.exr" --json "$@") || status=$?
+  json=$("$tessera" compare "$images/$image.exr" "$images/$reference.exr" --json "$@") || status=$?
   [ "$status" -le 1 ] || exit "$status"
   jq -r ".$key" <<<"$json"
 }
 
-statistic() { jq -r ".$2" "$pictures/$1.json"; }
+statistic() { jq -r ".$2" "$images/$1.json"; }
 calculate() { awk "BEGIN { printf \"%.4g\", ${1//$'\n'/ } }"; }
 
-# table REFERENCE PICTURE...: samples, time and errors of each.
+# table REFERENCE IMAGE...: samples, time and errors of each.
 table() {
   local reference=$1 name
   shift
-  echo "| picture | samples per pixel | seconds | MSE | relative MSE |"
+  echo "| image | samples per pixel | seconds | MSE | relative MSE |"
   echo "|---|---|---|---|---|"
   for name in "$@"; do
     echo "| $name | $(statistic "$name" spp) | $(calculate "$(statistic "$name" render_seconds)") |" \
@@ -41,7 +41,7 @@ table() {
   echo "| $reference | $(statistic "$reference" spp) | $(calculate "$(statistic "$reference" render_seconds)") | | |"
 }
 
-# ratio KEY A B REFERENCE: of an error of picture A over that of B.
+# ratio KEY A B REFERENCE: of an error of image A over that of B.
 ratio() { calculate "$(error_of "$1" "$2" "$4") / $(error_of "$1" "$3" "$4")"; }
 
 # The time to equal error is time times MSE, as the MSE falls with the number of samples.
@@ -72,7 +72,7 @@ cook_torrance() {
   echo
 }
 
-# variance_in REGION STRATEGY: half the mean squared difference of two pictures of the strategy with different
+# variance_in REGION STRATEGY: half the mean squared difference of two images of the strategy with different
 # seeds, which needs no reference.
 variance_in() {
   calculate "$(error_of mse "veach_$2_pair_1" "veach_$2_pair_2" --region "$1") / 2"
@@ -97,7 +97,7 @@ veach_regions() {
   done < <(regions)
 }
 
-# The marked regions in pixels of the pictures at hand; the file has them in those of a picture 768 wide.
+# The marked regions in pixels of the images at hand; the file has them in those of an image 768 wide.
 regions() {
   awk -v scale="$(calculate "$(statistic veach_mis width) / 768")" '
     /^[^#]/ { printf "%s %d,%d,%dx%d\n", $1, $2 * scale, $3 * scale, $4 * scale, $5 * scale }' \

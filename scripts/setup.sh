@@ -26,6 +26,7 @@ build=(
   libopenexr-dev
   libimath-dev
   libjpeg62-turbo-dev
+  libqoi-dev
   libspng-dev
   libtiff-dev
   libwebp-dev

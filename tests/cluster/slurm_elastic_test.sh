@@ -7,7 +7,7 @@ set -euo pipefail
 programs=$1 source=$2
 # shellcheck source=tests/cluster/slurm_cluster.sh
 . "$source/tests/cluster/slurm_cluster.sh"
-export PATH=$programs:$PATH OMP_NUM_THREADS=1 TESSERA_CACHE=$cluster
+export PATH=$programs:$PATH TESSERA_CACHE=$cluster
 
 start_cluster 3
 tessera-coordinator --listen 127.0.0.1:0 --state "$cluster/coordinator" --lease-seconds 3 --http off >address 2>coordinator.log &
@@ -43,4 +43,5 @@ came=$(grep -l "registered with" worker-*.log | wc -l)
 said_goodbye() { [ "$(cat worker-*.log | grep -c "has rendered")" -eq "$came" ]; }
 wait_until 30 said_goodbye
 rendered=$(sed -n 's/.*has rendered \([0-9]*\) samples/\1/p' worker-*.log | paste -sd+ | bc)
+grep -q "serves files to other workers" worker-*.log || fail "the workers do not serve files to each other"
 [ "$rendered" -ge "$samples" ] || fail "$rendered samples were rendered for $samples"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # slurm_render_test.sh CASE PROGRAMS SOURCE: deploy/slurm/tessera.sbatch on a real Slurm. The image must equal that of
-# tessera render in every CASE: two_nodes, lost_node, requeued, time_limit, array.
+# tessera render in every CASE: two_nodes, lost_node, requeued, signalled, time_limit, array, frames.
 set -euo pipefail
 
 case_name=$1 programs=$2 source=$3
@@ -9,16 +9,21 @@ case_name=$1 programs=$2 source=$3
 . "$source/tests/cluster/slurm_cluster.sh"
 
 export PATH=$programs:$PATH
-export TESSERA_HOST=127.0.0.1 TESSERA_LISTEN=127.0.0.1:0 TESSERA_CACHE=$cluster OMP_NUM_THREADS=1
+export TESSERA_HOST=127.0.0.1 TESSERA_LISTEN=127.0.0.1:0 TESSERA_CACHE=$cluster
+unset OMP_NUM_THREADS
+processors=$(nproc)
 scene=cornell
 script=$source/deploy/slurm/tessera.sbatch
 
 start_cluster 3
-spp=$(spp_for 10 $scene 64x64)
-options=(--size 64x64 --spp "$spp")
-total=$((64 * 64 * spp))
-tessera render $scene "${options[@]}" -o local.pfm --threads 2 >/dev/null 2>&1
 
+# work_for SECONDS: a render that costs so many seconds of a processor, and its image in local.pfm.
+work_for() {
+  spp=$(spp_for "$1" $scene 64x64)
+  options=(--size 64x64 --spp "$spp")
+  total=$((64 * 64 * spp))
+  tessera render $scene "${options[@]}" -o local.pfm --threads 2 >/dev/null 2>&1
+}
 # submit SBATCH-OPTIONS...: the job's number.
 submit() { sbatch --parsable --ntasks-per-node=1 -o slurm.log "$@" "$script" $scene "${options[@]}" -o farm.pfm; }
 has_rendered() {  # has_rendered JOB SAMPLES
@@ -42,28 +47,35 @@ ends_well() {
 
 case $case_name in
   two_nodes)
+    work_for 10
     job=$(TESSERA_KEEP=yes submit -N 2)
     wait_until 120 job_is "$job" COMPLETED
     cmp local.pfm farm.pfm || fail "the image differs from the local one"
     for node in node1 node2; do
       grep -q "has rendered [1-9]" "tessera-$job/worker-$node.log" || fail "$node rendered nothing"
       grep -q "with 1 threads" "tessera-$job/worker-$node.log" || fail "$node took more threads than it was granted"
-    done ;;
+    done
+    from_peers=$(sed -n 's/.* bytes of scene files, \([0-9]*\) of them from other workers.*/\1/p' \
+      "tessera-$job"/worker-*.log | paste -sd+ | bc)
+    [ "$from_peers" -gt 0 ] || fail "each node fetched all files from the coordinator" ;;
   lost_node)
+    work_for 10
     job=$(submit -N 3)
     wait_until 60 has_rendered "$job" $((total / 20))
     kill_node node3
     [ "$(progress "$job")" -lt $total ] || fail "the node was lost too late"
     ends_well "$job" ;;
   requeued)
+    work_for 10
     job=$(submit -N 2)
     wait_until 60 has_rendered "$job" $((total / 5))
     [ "$(progress "$job")" -lt $total ] || fail "it is requeued too late"
     scontrol requeue "$job"
     ends_well "$job"
     [ "$(scontrol -o show job "$job" | sed -n 's/.* Restarts=\([0-9]*\).*/\1/p')" -eq 1 ] || fail "it was not requeued" ;;
-  time_limit)
-    # Sooner than Slurm's shortest limit, a minute, the signal comes by hand.
+  signalled)
+    work_for 10
+    # By hand: the signal of a limit comes when Slurm next looks, twice a minute.
     job=$(TESSERA_KEEP=yes submit -N 2)
     wait_until 60 has_rendered "$job" $((total / 5))
     [ "$(progress "$job")" -lt $total ] || fail "the signal comes too late"
@@ -74,16 +86,46 @@ case $case_name in
     # Nothing is rendered twice but what idle workers render again at the end.
     rendered=$(sed -n 's/.*has rendered \([0-9]*\) samples/\1/p' "tessera-$job"/worker-*.log | paste -sd+ | bc)
     [ "$rendered" -le $((total + total / 4)) ] || fail "$rendered samples were rendered for $total" ;;
+  time_limit)
+    # Slurm signals a job with less than 90 s left when it next looks, up to half a minute after the start.
+    work_for 40
+    job=$(TESSERA_KEEP=yes submit -N 1 --time=1)
+    wait_until 200 job_is "$job" COMPLETED
+    cmp local.pfm farm.pfm || fail "the image differs from the local one"
+    grep -q "the time limit is near: requeued" slurm.log || fail "it did not requeue itself" ;;
   array)
     cp "$programs"/../share/tessera/scenes/cornell/* .
     cp scene.json shot.01.json
     mv scene.json shot.02.json
-    job=$(sbatch --parsable -N 1 --ntasks-per-node=1 --array=1-2 -o slurm.%a.log "$script" "shot.##.json" --size 32x32 \
-      --spp 4 -o "shot.##.pfm")
+    # A variable of the user's profile does not restrict what Slurm has granted.
+    job=$(OMP_NUM_THREADS=1 TESSERA_KEEP=yes sbatch --parsable -N 1 --cpus-per-task=2 --array=1-2 -o slurm.%a.log \
+      "$script" "shot.##.json" --size 32x32 --spp 4 -o "shot.##.pfm")
     tessera render shot.01.json --size 32x32 --spp 4 -o local.pfm >/dev/null
     for frame in 01 02; do
       wait_until 120 test -s "shot.$frame.pfm"
       wait_until 10 cmp local.pfm "shot.$frame.pfm"
-    done ;;
+    done
+    threads=$((processors < 2 ? processors : 2))
+    [ "$(cat tessera-*/worker-*.log | grep -c "with $threads threads")" -eq 2 ] || fail "not $threads threads in each task" ;;
+  frames)
+    # A task for each frame, and all frames in one job. Images that tasks would overwrite are refused.
+    cat >turn.json <<'END'
+      {"render": {"width": 32, "height": 32, "spp": 2},
+       "camera": {"position": {"keyframes": [{"frame": 1, "value": [0, 1, 4]}, {"frame": 12, "value": [3, 1, 4]}]},
+                  "look_at": [0, 0, 0]},
+       "materials": {"clay": {"type": "lambert", "albedo": 0.5}},
+       "environment": {"radiance": 0.3},
+       "shapes": [{"type": "sphere", "center": [1, 0, 0], "radius": 1, "material": "clay"}]}
+END
+    tessera render turn.json --frames 9-10 -o "local.##.pfm" >/dev/null
+    ! cmp -s local.09.pfm local.10.pfm || fail "nothing moves"
+    sbatch --parsable -N 1 --array=9-10 -o slurm.%a.log "$script" turn.json -o "task.##.pfm"
+    sbatch --parsable -N 1 -o slurm.log "$script" turn.json --frames 9-10 -o "one.##.pfm"
+    for image in task.09 task.10 one.09 one.10; do
+      wait_until 120 test -s $image.pfm
+      wait_until 10 cmp "local.${image#*.}.pfm" $image.pfm
+    done
+    sbatch --parsable -N 1 --array=9-10 -o refused.%a.log "$script" turn.json -o task.pfm
+    wait_until 60 grep -q "task.pfm would be written by each task" refused.9.log ;;
   *) fail "there is no case $case_name" ;;
 esac

@@ -50,12 +50,28 @@ traces >"$work/before"
 mkdir "$root/packages"
 cp "$packages"/*.deb "$root/packages"
 quiet "apt-get update" inside apt-get -qq update
+
+# What the first stage of deploy/container/Dockerfile installs, whose image starts as this root does.
+# shellcheck disable=SC2154  # the lists are the script's
+to_compile() {
+  (eval "$(sed -n '/^build=(/,/^)/p; /^package=(/,/^)/p' "$here/../../scripts/setup.sh")" && echo "${build[@]}" "${package[@]}")
+}
+# shellcheck disable=SC2046  # one word each
+quiet "finding what compiling needs" inside apt-get install --simulate --no-install-recommends $(to_compile)
+# Without the farm, the command line says what its demo lacks.
+quiet "installing the command line" inside sh -c \
+  'apt-get install -y --no-install-recommends /packages/tessera_*.deb /packages/libtessera[0-9]*.deb'
+inside dpkg-query -W -f '${Recommends}' tessera | grep -qx 'tessera-coordinator, tessera-worker' || fail "no farm is recommended"
+! inside tessera demo cornell --once >"$work/demo" 2>&1 || fail "the demo has a farm"
+grep -q "apt-get install ./tessera-coordinator_\*.deb ./tessera-worker_\*.deb" "$work/demo" ||
+  fail "the demo says: $(cat "$work/demo")"
 quiet "installing" inside sh -c 'apt-get install -y --no-install-recommends /packages/*.deb'
 
 for program in tessera tessera-coordinator tessera-validator tessera-worker tessera-scene-loader; do
   inside "$program" --version >"$work/version" || fail "$program --version failed"
   grep -q "^$program [0-9]" "$work/version" || fail "$program --version says: $(cat "$work/version")"
 done
+quiet "the demo" inside timeout 120 tessera demo cornell --once
 quiet "rendering" inside tessera render cornell --size 48x32 --spp 4 --quiet -o /srv/alone.pfm
 # Services are enabled for the next boot, and their options are files of the machine. There is no systemd to start them.
 for service in coordinator worker; do

@@ -107,6 +107,8 @@ def check_container(container, where):
     for probe in ("readinessProbe", "livenessProbe"):
         if probe not in container:
             faults.append(f"{where}: it has no {probe}")
+        elif container[probe].get("httpGet", {}).get("path") == "/metrics":
+            faults.append(f"{where}: its {probe} asks for metrics, which are there while it hangs")
     return faults
 
 

@@ -8,7 +8,8 @@ check=$(dirname "$0")/check_manifests.py
 python=/usr/bin/python3
 $python -c 'import yaml' 2>/dev/null || { echo "skipped: Python's yaml is not installed (Debian: python3-yaml)"; exit 77; }
 copy=$(mktemp)
-trap 'rm -f "$copy"' EXIT
+old=$(mktemp -d)
+trap 'rm -rf "$copy" "$old"' EXIT
 
 base() { for file in "$source"/deploy/kubernetes/base/[^k]*.yaml; do echo "---"; cat "$file"; done; }
 
@@ -36,5 +37,14 @@ finds "may run as root" 's/runAsNonRoot: true/runAsNonRoot: false/'
 finds "can be written" '/readOnlyRootFilesystem/d'
 finds "keeps privileges" 's/drop: \[ALL\]/drop: [NET_RAW]/'
 finds "requests no resources" '/requests: {cpu/d'
+finds "livenessProbe asks for metrics" 's#/healthz#/metrics#'
 finds "there is no volume" 's/- name: tmp/- name: temporary/'
 finds "is no quantity" 's/memory: 8Gi/memory: 8 GB/'
+
+# What cannot be built is not said to be checked.
+printf '#!/bin/sh\necho "Client Version: v1.20.2"\n' >"$old/kubectl"
+chmod +x "$old/kubectl"
+status=0
+said=$(PATH=$old:$PATH "$(dirname "$0")/check_kubernetes.sh" "$source") || status=$?
+[ $status -eq 77 ] && grep -q "^skipped: there is no kubectl" <<<"$said" ||
+  { printf 'without kubectl: status %s, and\n%s\n' "$status" "$said"; exit 1; }
