@@ -2,7 +2,7 @@
 // Compares rays per second of the acceleration structure and of Embree, on one thread and the same rays,
 // interleaved, so that disturbances affect both. Prints medians of CPU time over the rounds.
 //
-//   embree_bench [rounds [rays per side of the picture [first letters of a set's name]]]
+//   embree_bench [rounds [rays per side of the image [first letters of a set's name]]]
 #include <embree3/rtcore.h>
 
 #include <algorithm>

@@ -22,7 +22,7 @@
 namespace tessera::core {
 namespace {
 
-constexpr int kSide = 5, kRows = 132, kPictureSide = 512, kRounds = 9;
+constexpr int kSide = 5, kRows = 132, kImageSide = 512, kRounds = 9;
 constexpr float kHalf = 1.2f * kSide;
 
 std::vector<Transform> placements() {
@@ -147,7 +147,7 @@ void run() {
   camera.eye = {0.3f * kHalf, 0.9f * kHalf, 1.7f * kHalf};
   camera.look_at = {0, 0.1f * kHalf, 0};
   camera.lamp = {{kHalf, 2 * kHalf, kHalf}, 0.15f * kHalf};
-  const RaySets rays = make_rays(camera, flat.primitives, flat.bvh, kPictureSide);
+  const RaySets rays = make_rays(camera, flat.primitives, flat.bvh, kImageSide);
   fmt::print(
       "| rays | asked | flat | two levels | ratio | hits, two levels less flat "
       "|\n|---|---|---|---|---|---|\n");
@@ -167,7 +167,7 @@ void run() {
 
 // Shading: what an instance costs by its material.
 
-// A checkered picture.
+// A checkered image.
 Texture checks() {
   constexpr int kChecksSide = 64;
   std::vector<std::uint8_t> bytes;

@@ -17,13 +17,13 @@ void render_scene(benchmark::State& state, const std::string& name, Integrator i
   if (!scene) return state.SkipWithError(scene.error().message.c_str());
   RenderSettings settings = scene->settings();
   settings.integrator = integrator;
-  const PixelRect picture{0, 0, settings.width_px, settings.height_px};
+  const PixelRect image{0, 0, settings.width_px, settings.height_px};
   const RenderPlan plan = prepare(*scene, settings, 1);
 
   RenderCounters counters;
   std::uint32_t sample = 0;
   for (auto _ : state) {
-    counters.add(render(plan, picture, {sample, sample + 1}, 1).counters);
+    counters.add(render(plan, image, {sample, sample + 1}, 1).counters);
     ++sample;
   }
   const auto rate = [&](std::uint64_t count) {

@@ -32,7 +32,7 @@ render_seconds() {
   local round threads=$1 scene=$2
   shift 2
   for ((round = 0; round < rounds; ++round)); do
-    "$bin/tessera" render "$scene" --quiet --threads "$threads" "$@" -o "$work/picture.exr" --stats "$work/stats.json"
+    "$bin/tessera" render "$scene" --quiet --threads "$threads" "$@" -o "$work/image.exr" --stats "$work/stats.json"
     jq .render_seconds "$work/stats.json"
   done | sort -g | head -n 1
 }

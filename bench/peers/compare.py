@@ -16,7 +16,7 @@ import sys
 import tempfile
 from dataclasses import dataclass, field
 
-from pictures import mean_picture, noise, read_pfm, region_ratios
+from images import mean_image, noise, read_pfm, region_ratios
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
@@ -48,7 +48,7 @@ class Measured:
     """What one renderer made of one scene, run by run."""
 
     core_seconds: list = field(default_factory=list)
-    pictures: list = field(default_factory=list)
+    images: list = field(default_factory=list)
 
 
 class Failed(Exception):
@@ -64,19 +64,19 @@ def run_pinned(command, core):
     return done.stdout
 
 
-def render_with_cycles(scene, size, spp, seed, picture, core):
+def render_with_cycles(scene, size, spp, seed, image, core):
     script = os.path.join(HERE, "cycles_render.py")
     output = run_pinned(
         ["blender", "--background", "--factory-startup", "--threads", "1", "--python-exit-code", "1", "--python", script,
-         "--", os.path.join(SCENES_FOLDER, scene.file), str(size[0]), str(size[1]), str(spp), str(seed), picture], core)
+         "--", os.path.join(SCENES_FOLDER, scene.file), str(size[0]), str(size[1]), str(spp), str(seed), image], core)
     line = next(line for line in output.splitlines() if line.startswith("CYCLES "))
     return json.loads(line.removeprefix("CYCLES "))["core_seconds"]
 
 
-def render_with_tessera(scene, size, spp, seed, picture, core):
-    stats = picture + ".json"
+def render_with_tessera(scene, size, spp, seed, image, core):
+    stats = image + ".json"
     run_pinned([TESSERA, "render", os.path.join(SCENES_FOLDER, scene.file), "--size", f"{size[0]}x{size[1]}", "--spp", str(spp),
-                "--seed", str(seed), "--threads", "1", "--quiet", "-o", picture, "--stats", stats], core)
+                "--seed", str(seed), "--threads", "1", "--quiet", "-o", image, "--stats", stats], core)
     with open(stats, encoding="utf-8") as file:
         return json.load(file)["render_core_seconds"]
 
@@ -89,25 +89,25 @@ def measure(scene, size, options, folder):
     results = {name: Measured() for name in RENDERERS}
     for seed in range(1, options.runs + 1):
         for name, render in RENDERERS.items():
-            picture = os.path.join(folder, f"{scene.name}_{name.lower()}_{seed}.pfm")
-            seconds = render(scene, size, options.spp, seed, picture, options.core)
-            width, height, values = read_pfm(picture)
+            image = os.path.join(folder, f"{scene.name}_{name.lower()}_{seed}.pfm")
+            seconds = render(scene, size, options.spp, seed, image, options.core)
+            width, height, values = read_pfm(image)
             if (width, height) != size:
-                raise Failed(f"{picture} has {width}x{height} pixels instead of {size[0]}x{size[1]}")
+                raise Failed(f"{image} has {width}x{height} pixels instead of {size[0]}x{size[1]}")
             results[name].core_seconds.append(seconds)
-            results[name].pictures.append(values)
+            results[name].images.append(values)
             print(f"{scene.name}: {name}, run {seed} of {options.runs}: {seconds:.2f} core seconds", file=sys.stderr)
     return results
 
 
 def summarize(scene, size, spp, results):
     """The numbers of one scene, by renderer, and the agreement of the two."""
-    means = {name: mean_picture(result.pictures) for name, result in results.items()}
-    expected = mean_picture(list(means.values()))
+    means = {name: mean_image(result.images) for name, result in results.items()}
+    expected = mean_image(list(means.values()))
     summary = {"scene": scene.name, "width": size[0], "height": size[1], "spp": spp}
     for name, result in results.items():
         seconds = statistics.median(result.core_seconds)
-        mse, relative_mse = noise(result.pictures, expected)
+        mse, relative_mse = noise(result.images, expected)
         summary[name] = {"core_seconds": seconds, "samples_per_second": size[0] * size[1] * spp / seconds, "mse": mse,
                          "relative_mse": relative_mse, "efficiency": 1 / (mse * seconds),
                          "relative_efficiency": 1 / (relative_mse * seconds)}
@@ -141,7 +141,7 @@ def table(summaries, spp):
 
 
 def agreement(summaries):
-    lines = ["| scene | brightness, Tessera's over Cycles' | of the 64 regions of the picture, all but the outermost 3 on either side |",
+    lines = ["| scene | brightness, Tessera's over Cycles' | of the 64 regions of the image, all but the outermost 3 on either side |",
              "|---|---|---|"]
     for summary in summaries:
         ratios = summary["brightness"]["regions"]
@@ -153,11 +153,11 @@ def agreement(summaries):
 def parse_options():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", metavar="SCENE", nargs="*", help="of " + ", ".join(s.name for s in SCENES) + " [all]")
-    parser.add_argument("--quick", action="store_true", help="pictures of a sixteenth of the pixels, two runs")
+    parser.add_argument("--quick", action="store_true", help="images of a sixteenth of the pixels, two runs")
     parser.add_argument("--runs", type=int, help="of each renderer, with different seeds; at least 2 [4]")
     parser.add_argument("--spp", type=int, default=64, help="samples per pixel; at least 2 [64]")
     parser.add_argument("--core", type=int, default=max(os.sched_getaffinity(0)), help="to run on [the last]")
-    parser.add_argument("--pictures", metavar="DIR", help="keep the pictures there")
+    parser.add_argument("--images", metavar="DIR", help="keep the images there")
     parser.add_argument("--output", metavar="FILE", help="write the tables there too")
     parser.add_argument("--json", metavar="FILE", help="write the numbers there")
     options = parser.parse_args()
@@ -185,7 +185,7 @@ def compare(options):
     shrink = 4 if options.quick else 1
     summaries = []
     with tempfile.TemporaryDirectory() as scratch:
-        folder = options.pictures or scratch
+        folder = options.images or scratch
         os.makedirs(folder, exist_ok=True)
         for scene in scenes:
             size = (scene.width // shrink, scene.height // shrink)

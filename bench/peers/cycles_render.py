@@ -2,7 +2,7 @@
 """Renders a Tessera scene file with Cycles and prints how long the samples took, as one line of JSON.
 
 blender --background --factory-startup --threads 1 --python-exit-code 1 --python cycles_render.py --
-        SCENE WIDTH HEIGHT SPP SEED PICTURE.pfm
+        SCENE WIDTH HEIGHT SPP SEED IMAGE.pfm
 """
 
 import array
@@ -18,7 +18,7 @@ from cycles_scene import SceneBuilder  # noqa: E402
 
 
 def settings():
-    """Nothing that biases the picture or shapes its noise afterwards; paths as deep as Cycles allows."""
+    """Nothing that biases the image or shapes its noise afterwards; paths as deep as Cycles allows."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.render.use_persistent_data = True
@@ -50,7 +50,7 @@ def render(cycles, spp, seed):
 
 
 def write_pfm(path):
-    """The picture of the last render, by way of a file, as Blender gives out the floats of no other."""
+    """The image of the last render, by way of a file, as Blender gives out the floats of no other."""
     exr = path + ".exr"
     bpy.data.images["Render Result"].save_render(exr)
     image = bpy.data.images.load(exr)
@@ -58,12 +58,12 @@ def write_pfm(path):
     width, height = image.size
     values = array.array("f", bytes(4 * width * height * image.channels))
     image.pixels.foreach_get(values)
-    picture = array.array("f", bytes(4 * width * height * 3))
+    pixels = array.array("f", bytes(4 * width * height * 3))
     for channel in range(3):
-        picture[channel::3] = values[channel :: image.channels]
+        pixels[channel::3] = values[channel :: image.channels]
     with open(path, "wb") as file:
         file.write(f"PF\n{width} {height}\n-1.0\n".encode())
-        picture.tofile(file)
+        pixels.tofile(file)
     os.remove(exr)
 
 

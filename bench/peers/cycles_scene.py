@@ -233,7 +233,7 @@ class SceneBuilder:
         self.link(mesh, d["material"])
 
     def lamp_radiance(self, d):
-        """The radiance of a shape that only shines, or None: Cycles has lamps of its own for those."""
+        """The radiance of a shape that only emits, or None: Cycles has lamps of its own for those."""
         material = self.description["materials"][d["material"]]
         if material["type"] != "lambert" or material.get("albedo", 0.5) != 0 or "emission" not in material:
             return None
@@ -300,7 +300,7 @@ class SceneBuilder:
         background.inputs["Strength"].default_value = radiance[0]
         sky = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
         sky.image = bpy.data.images.load(self.path_of(self.description["textures"][d["texture"]]["file"]))
-        # Ours looks along -z in the picture's middle, right of it along +x, up along +y; Blender's along +x, -y, +z.
+        # Ours looks along -z in the image's middle, right of it along +x, up along +y; Blender's along +x, -y, +z.
         turn = Matrix.Rotation(math.radians(-d.get("rotation_degrees", 0)), 3, "Y")
         axes = Matrix(((0, 0, -1), (-1, 0, 0), (0, 1, 0)))
         sky.texture_mapping.rotation = (axes @ turn).to_euler("XYZ")

@@ -21,7 +21,7 @@ import sys
 import tempfile
 import zlib
 
-from pictures import read_pfm
+from images import read_pfm
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
@@ -159,18 +159,18 @@ class Renderers:
         return path
 
     def render(self, name, description, size, spp):
-        path, picture = self.write(description), os.path.join(self.folder, "picture.pfm")
+        path, image = self.write(description), os.path.join(self.folder, "image.pfm")
         if name == "Cycles":
             command = ["blender", "--background", "--factory-startup", "--threads", str(self.options.threads),
                        "--python-exit-code", "1", "--python", os.path.join(HERE, "cycles_render.py"), "--", path,
-                       *map(str, size), str(spp), "1", picture]
+                       *map(str, size), str(spp), "1", image]
         else:
             command = [TESSERA, "render", path, "--size", f"{size[0]}x{size[1]}", "--spp", str(spp), "--threads",
-                       str(self.options.threads), "--quiet", "-o", picture]
+                       str(self.options.threads), "--quiet", "-o", image]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode != 0:
             sys.exit("\n".join([f"failed: {' '.join(command)}", *(done.stdout + done.stderr).strip().splitlines()[-12:]]))
-        return read_pfm(picture)[2]
+        return read_pfm(image)[2]
 
 
 def mean(values, chosen=None):
@@ -197,8 +197,8 @@ def report_fields(renderers, bodies, spp):
         cells = []
         for renderer in renderers.names:
             for normals in ("flat", "smooth"):
-                picture = renderers.render(renderer, field(renderers.folder, name, body, normals), size, spp)
-                cells.append(f"{mean(picture):.5f}")
+                image = renderers.render(renderer, field(renderers.folder, name, body, normals), size, spp)
+                cells.append(f"{mean(image):.5f}")
         print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
 
 

@@ -19,7 +19,7 @@ import sys
 import tempfile
 
 from noise_scenes import SCENES, write_scene
-from pictures import mean_picture, noise, read_pfm
+from images import mean_image, noise, read_pfm
 
 
 class Failed(Exception):
@@ -52,8 +52,8 @@ def instructions_of(command, folder):
 
 
 def measure(program, scene, name, options, folder):
-    """(pictures, cost) of one program: the cost of the first render's samples, without loading the scene."""
-    pictures, costs = [], []
+    """(images, cost) of one program: the cost of the first render's samples, without loading the scene."""
+    images, costs = [], []
 
     def command(spp, seed, path):
         return [program, "render", scene, "--size", options.size, "--spp", str(spp), "--seed", str(seed), "--threads", "1",
@@ -62,17 +62,17 @@ def measure(program, scene, name, options, folder):
     for seed in range(1, options.runs + 1):
         path = os.path.join(folder, f"{name}_{seed}.pfm")
         costs.append(run(command(options.spp, seed, path)))
-        pictures.append(read_pfm(path)[2])
+        images.append(read_pfm(path)[2])
     most, least = (instructions_of(command(spp, 1, os.path.join(folder, "counted.pfm")), folder) for spp in (9, 1))
     if most and least:
-        return pictures, (most - least) / 8
-    return pictures, sorted(costs)[len(costs) // 2]
+        return images, (most - least) / 8
+    return images, sorted(costs)[len(costs) // 2]
 
 
 def different_means(a, b):
-    """By how many standard errors the mean of two sets of pictures differs."""
-    def mean_and_error2(pictures):
-        means = [sum(picture) / len(picture) for picture in pictures]
+    """By how many standard errors the mean of two sets of images differs."""
+    def mean_and_error2(images):
+        means = [sum(image) / len(image) for image in images]
         mean = sum(means) / len(means)
         return mean, sum((m - mean) ** 2 for m in means) / (len(means) - 1) / len(means)
 
@@ -81,8 +81,8 @@ def different_means(a, b):
 
 
 def row_of(name, results):
-    expected = mean_picture([picture for pictures, _ in results for picture in pictures])
-    errors = [noise(pictures, expected) for pictures, _ in results]
+    expected = mean_image([image for images, _ in results for image in images])
+    errors = [noise(images, expected) for images, _ in results]
     cells = [name] + [f"{relative:.4g}" for _, relative in errors] + [f"{mse:.4g}" for mse, _ in errors]
     if len(results) == 2:
         (mse_old, relative_old), (mse_new, relative_new) = errors

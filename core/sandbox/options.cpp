@@ -13,10 +13,10 @@ namespace tessera::sandbox {
 
 void add_flags(CLI::App& app, Options& options, const LimitFlags& flags) {
   Confinement& confinement = options.confinement;
-  app.add_option(flags.memory_mib, confinement.memory_mib, "Most MiB of address space")
+  app.add_option(flags.memory_mib, confinement.memory_mib, "Maximum MiB of address space")
       ->type_name("N")
       ->capture_default_str();
-  app.add_option(flags.cpu_seconds, confinement.cpu_seconds, "Most seconds of processor time")
+  app.add_option(flags.cpu_seconds, confinement.cpu_seconds, "Maximum seconds of processor time")
       ->type_name("N")
       ->capture_default_str();
   app.add_option(kParentFlag, confinement.parent,

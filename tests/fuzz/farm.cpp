@@ -134,7 +134,7 @@ void Farm::reopen() {
   signer_.emplace(state->jobs.secret());
   server::CoordinatorOptions options;
   options.farm.fingerprints = {kFingerprint};
-  options.limits.picture_pixels = kMaxPixels;
+  options.limits.image_pixels = kMaxPixels;
   options.farm.audit_share = 1;  // of all ranges, so that chance chooses none
   options.farm.now = [this] { return now_; };
   auto opened = server::Coordinator::open(options, std::move(*state), check_scene_);

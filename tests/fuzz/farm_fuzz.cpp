@@ -42,7 +42,7 @@ void do_to_job(Farm& farm, const Part& part) {
   if (part.name == "resume") expect_sendable(coordinator.jobs().resume(id));
   if (part.name == "cancel") expect_sendable(coordinator.jobs().cancel(id));
   if (part.name == "delete") expect_told(coordinator.jobs().remove(id));
-  if (part.name == "picture") expect_told(coordinator.images().get(id));
+  if (part.name == "image") expect_told(coordinator.images().get(id));
   if (part.name == "blob lost") {
     coordinator.jobs().blob_is_lost(proto::digest_of(part.bytes),
                                     {core::ErrorCode::kNotFound, "it is not there"});

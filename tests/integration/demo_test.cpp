@@ -20,9 +20,12 @@ using ::testing::HasSubstr;
 
 class DemoTest : public ::testing::Test {
  protected:
-  DemoTest() {
+  DemoTest() { write_scene("4"); }
+
+  void write_scene(const std::string& spp) {
     write_file(folder_ / "scene.json", R"({
-      "render": {"width": 40, "height": 30, "spp": 4},
+      "render": {"width": 40, "height": 30, "spp": )" +
+                                           spp + R"(},
       "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]},
       "materials": {"glow": {"type": "lambert", "albedo": 0.5, "emission": [2, 1, 0.5]}},
       "shapes": [{"type": "sphere", "radius": 1, "center": [0, 0, 0], "material": "glow"}]})");
@@ -79,6 +82,20 @@ TEST_F(DemoTest, SpeaksJson) {
   EXPECT_EQ(demo.err(), "");
 }
 
+// As after the installation of the package tessera alone.
+TEST_F(DemoTest, NamesThePackagesOfProgramsThatAreMissing) {
+  const std::filesystem::path built = TESSERA_CLIENT;
+  std::filesystem::create_directory(folder_ / "bin");
+  std::filesystem::copy_file(built, folder_ / "bin" / "tessera");
+  std::filesystem::create_directory_symlink(built.parent_path().parent_path() / "lib", folder_ / "lib");
+  Process demo({.arguments = {folder_ / "bin" / "tessera", "demo", folder_ / "scene.json"},
+                .out = folder_ / "out",
+                .err = folder_ / "err"});
+  EXPECT_EQ(demo.wait(std::chrono::seconds(30)), 1);
+  EXPECT_THAT(demo.err(), HasSubstr("the demo starts tessera-coordinator and tessera-worker, which must be"));
+  EXPECT_THAT(demo.err(), HasSubstr("apt-get install ./tessera-coordinator_*.deb ./tessera-worker_*.deb"));
+}
+
 TEST_F(DemoTest, EndsByCtrlC) {
   Process demo = start();
   ASSERT_TRUE(poll_until(std::chrono::seconds(60), [&] {
@@ -89,6 +106,17 @@ TEST_F(DemoTest, EndsByCtrlC) {
   demo.signal(SIGINT);
   EXPECT_EQ(demo.wait(std::chrono::seconds(30)), 0);
   for (const pid_t child : children) EXPECT_FALSE(is_running(child));
+  EXPECT_TRUE(is_clean());
+}
+
+TEST_F(DemoTest, SaysThatItsOnlyJobWasInterrupted) {
+  write_scene("1000000");
+  Process demo = start({"--once"});
+  ASSERT_TRUE(poll_until(std::chrono::seconds(60), [&] {
+    return demo.err().find(", as job ") != std::string::npos;
+  })) << demo.err();
+  demo.signal(SIGINT);
+  EXPECT_EQ(demo.wait(std::chrono::seconds(30)), 130);
   EXPECT_TRUE(is_clean());
 }
 

@@ -120,6 +120,11 @@ TEST_F(DiskFaultsTest, ASecondCoordinatorAndALaterReleaseAreRefused) {
   EXPECT_EQ(second.exit_code, 1);
   EXPECT_THAT(second.err,
               AllOf(HasSubstr("another coordinator runs on " + state_.string()), HasSubstr("--state")));
+  std::filesystem::remove(state_ / "lock");
+  const Outcome third = start_expecting_failure();
+  EXPECT_EQ(third.exit_code, 1);
+  EXPECT_THAT(third.err, HasSubstr("another coordinator runs on " + state_.string()));
+  EXPECT_THAT(check().err, HasSubstr("another coordinator runs on " + state_.string()));
   stop_coordinator();
   flip(database(), 60, 4);  // the file's user_version
   const Outcome later = start_expecting_failure();
@@ -150,8 +155,8 @@ TEST_F(DiskFaultsTest, AMissingEmptyOrInvalidDatabaseIsReportedAndNeverReplaced)
 
 TEST_F(DiskFaultsTest, SalvageKeepsEveryJobAndRendersDamagedTilesAgain) {
   const std::vector<std::string> ids = make_state();
-  const std::string pictures[] = {render_here(kSmall, ".exr"),
-                                  render_here({"--size", "128x64", "--spp", "4"}, ".exr")};
+  const std::string images_here[] = {render_here(kSmall, ".exr"),
+                                     render_here({"--size", "128x64", "--spp", "4"}, ".exr")};
   // Films are most of the file. First a page in use near the middle is damaged, then the last page is cut
   // off.
   constexpr std::uint64_t kPage = 16384;
@@ -177,7 +182,7 @@ TEST_F(DiskFaultsTest, SalvageKeepsEveryJobAndRendersDamagedTilesAgain) {
     restart_coordinator();
     for (std::size_t i = 0; i < ids.size(); ++i) {
       ASSERT_TRUE(wait_for_state(ids[i], v1::JOB_STATE_DONE)) << "lost tiles are not rendered again";
-      EXPECT_TRUE(image(ids[i], ".exr") == pictures[i]);
+      EXPECT_TRUE(image(ids[i], ".exr") == images_here[i]);
     }
     stop_coordinator();
   }
@@ -211,7 +216,7 @@ TEST_F(DiskFaultsTest, ATruncatedLogLosesOnlyItsLastTransaction) {
   Process& worker = start_worker("worker", 1);
   const std::string done = submit(kSmall);
   ASSERT_TRUE(wait_for_state(done, v1::JOB_STATE_DONE));
-  const std::string picture = image(done, ".exr");
+  const std::string image_here = image(done, ".exr");
   const std::string id = submit(options);
   ASSERT_TRUE(poll_until(60s, [&] { return job(id).samples_done() > 0 && commits_in_log().size() >= 4; }));
   kill_coordinator();
@@ -235,7 +240,7 @@ TEST_F(DiskFaultsTest, ATruncatedLogLosesOnlyItsLastTransaction) {
     const std::uint64_t samples = job(id).samples_done();
     EXPECT_THAT(checked.out, HasSubstr(std::to_string(samples) + " of "));
     EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
-    EXPECT_TRUE(image(done, ".exr") == picture);
+    EXPECT_TRUE(image(done, ".exr") == image_here);
     kill_coordinator();
     return samples;
   };
@@ -245,7 +250,7 @@ TEST_F(DiskFaultsTest, ATruncatedLogLosesOnlyItsLastTransaction) {
     EXPECT_EQ(samples_with_log_of(last - cut), fewer) << cut;
 }
 
-TEST_F(DiskFaultsTest, ADamagedBlobIsNamedAndHarmsNoOtherJob) {
+TEST_F(DiskFaultsTest, ADamagedBlobIsNamedAndAffectsNoOtherJob) {
   start_coordinator();
   const std::string id = submit(kSmall);
   const auto blob = blob_of(job(id), "box.obj");

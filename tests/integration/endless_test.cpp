@@ -110,7 +110,7 @@ TEST_F(EndlessTest, HungWorkersRestartAndTheJobFails) {
                                          "[0, 64) x [0, 64) did not finish"));
     EXPECT_EQ(command_name(*worker), "tessera-worker\n");
     EXPECT_THAT(read_file("/proc/" + std::to_string(worker->pid()) + "/environ"),
-                HasSubstr("TESSERA_WORKER_BARREN_STARTS=0"));
+                HasSubstr("TESSERA_WORKER_FAILED_RESTARTS=0"));
     const std::vector<std::string> processors = lines_with("OMP_PLACES", worker->err());
     ASSERT_GE(processors.size(), 2u);
     EXPECT_EQ(processors.back(), processors.front());

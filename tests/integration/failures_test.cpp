@@ -56,7 +56,7 @@ TEST_F(FailuresTest, AKilledWorkerCostsOnlyItsLease) {
 }
 
 // A lease lasts an hour here: the job is done in time only if the stopping worker gives its leases back.
-TEST_F(FailuresTest, AWorkerThatIsToldToStopGivesItsLeasesBack) {
+TEST_F(FailuresTest, AStoppedWorkerReturnsItsLeases) {
   start_coordinator(3600);
   start_worker("stays", 1);
   Process& leaving = start_worker("leaves", 1);
@@ -139,7 +139,7 @@ TEST_F(FailuresTest, ASecondSignalStopsAWorkerAtOnce) {
   EXPECT_EQ(worker.wait(5s), 128 + SIGINT);
 }
 
-TEST_F(FailuresTest, AFrozenWorkersLateResultsDoNoHarm) {
+TEST_F(FailuresTest, LateResultsOfAFrozenWorkerAreDropped) {
   start_coordinator();
   start_worker("awake", 1);
   Process& frozen = start_worker("frozen", 1);

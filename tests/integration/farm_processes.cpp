@@ -167,13 +167,13 @@ std::string FarmTest::render_here(const std::vector<std::string>& options, const
     std::vector<std::string> arguments{"render", kCornell};
     for (const char* format : {".png", ".exr", ".hdr", ".pfm"}) {
       arguments.push_back("-o");
-      arguments.push_back((folder / (std::string("picture") + format)).string());
+      arguments.push_back((folder / (std::string("image") + format)).string());
     }
     arguments.insert(arguments.end(), options.begin(), options.end());
     const Outcome outcome = tessera(arguments);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   }
-  return read_file(folder / ("picture" + ending));
+  return read_file(folder / ("image" + ending));
 }
 
 std::string FarmTest::submit(const std::vector<std::string>& options) {

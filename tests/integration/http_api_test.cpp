@@ -2,7 +2,10 @@
 // The HTTP API of a real coordinator, with a real worker.
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <sys/mount.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -74,6 +77,27 @@ class HttpApiTest : public FarmTest {
 
   int clients_ = 0;
 };
+
+TEST_F(HttpApiTest, IsNotReadyWhileTheDiskOfTheStateIsFull) {
+  const std::filesystem::path disk = folder_ / "disk";
+  std::filesystem::create_directory(disk);
+  if (mount("tessera-test", disk.c_str(), "tmpfs", 0, "size=16m,mode=0700") != 0)
+    GTEST_SKIP() << "a file system for this test cannot be mounted (that needs root): "
+                 << std::strerror(errno);
+  state_ = disk / "state";
+  coordinator_options_ = {"--http", "127.0.0.1:0"};
+  start_coordinator();
+  const auto is_ready = [&] { return get("/readyz").substr(9, 3) == "200"; };
+  EXPECT_TRUE(is_ready()) << get("/readyz");
+  write_file(disk / "filler", std::string(32 << 20, 'f'));  // as much of it as fits
+  EXPECT_TRUE(poll_until(std::chrono::seconds(20), [&] { return !is_ready(); }));
+  EXPECT_THAT(get("/readyz"), AllOf(HasSubstr("503"), HasSubstr("its disk is full")));
+  EXPECT_THAT(get("/healthz"), HasSubstr("200"));
+  std::filesystem::remove(disk / "filler");
+  EXPECT_TRUE(poll_until(std::chrono::seconds(20), is_ready)) << get("/readyz");
+  stop_coordinator();
+  umount2(disk.c_str(), MNT_DETACH);
+}
 
 TEST_F(HttpApiTest, ShowsWhatTheFarmRenders) {
   coordinator_options_ = {"--http", "127.0.0.1:0"};

@@ -133,7 +133,7 @@ TEST_F(FarmTest, EveryLightAndIntegratorRendersTheSameBytes) {
   start_worker("two", 2);
   for (const std::string strategy : {"whitted balance", "mis power", "naive balance"}) {
     const std::size_t space = strategy.find(' ');
-    const auto picture = [&](const char* name) { return (folder_ / (std::string(name) + ".pfm")).string(); };
+    const auto output = [&](const char* name) { return (folder_ / (std::string(name) + ".pfm")).string(); };
     const auto render = [&](std::vector<std::string> command, const std::string& path) {
       for (const std::string& word :
            {scene, std::string("--size"), std::string("150x100"), std::string("--spp"), std::string("8"),
@@ -144,9 +144,9 @@ TEST_F(FarmTest, EveryLightAndIntegratorRendersTheSameBytes) {
       EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
       return read_file(path);
     };
-    const std::string here = render({"render"}, picture("here"));
+    const std::string here = render({"render"}, output("here"));
     EXPECT_FALSE(here.empty());
-    EXPECT_TRUE(render({"submit", "--wait"}, picture("farm")) == here) << strategy;
+    EXPECT_TRUE(render({"submit", "--wait"}, output("farm")) == here) << strategy;
   }
 }
 

@@ -116,7 +116,7 @@ TEST_F(InterruptTest, OfASubmissionLeavesTheJobAndNoFile) {
   EXPECT_THAT(submit.err(), HasSubstr("tessera cancel " + id.substr(0, 12)));
 }
 
-TEST_F(InterruptTest, OfAWatchEndsItEvenWhileTheCoordinatorIsGone) {
+TEST_F(InterruptTest, OfAWatchEndsItWithoutACoordinator) {
   start_coordinator();
   const std::string id = submit(long_);
   Process watch = start_tessera({"watch", id});

@@ -92,6 +92,14 @@ TEST_F(JobsTest, ListsAreForPeopleAndForPrograms) {
   EXPECT_THAT(tessera({"jobs", "--json"}).out, HasSubstr("\"id\":\"" + id + "\""));
   EXPECT_THAT(tessera({"workers"}).out, HasSubstr("somebody"));
   EXPECT_THAT(tessera({"workers", "--json"}).out, HasSubstr("\"name\":\"somebody\""));
+  EXPECT_THAT(tessera({"workers", "--seen-within", "1h"}).out, HasSubstr("somebody"));
+  EXPECT_THAT(tessera({"workers", "--state", "quarantined", "--state", "in cooldown"}).out,
+              Not(HasSubstr("somebody")));
+  EXPECT_THAT(tessera({"workers", "--unseen-for", "1h"}).out, Not(HasSubstr("somebody")));
+  EXPECT_THAT(tessera({"workers", "--principal", "nobody"}).out, Not(HasSubstr("somebody")));
+  EXPECT_THAT(tessera({"workers", "--state", "idel"}).err, HasSubstr("did you mean 'idle'?"));
+  EXPECT_THAT(tessera({"jobs", "--state", "queud"}).err, HasSubstr("did you mean 'queued'?"));
+  EXPECT_EQ(tessera({"jobs", "--state", "queued", "--json"}).exit_code, 0);
   EXPECT_THAT(tessera({"job", id.substr(0, 6)}).out, HasSubstr(id)) << "the beginning of an id names the job";
 }
 
@@ -173,7 +181,7 @@ TEST_F(JobsTest, WithoutACoordinatorCommandsWaitForItsStartAndSayHowToStartOne) 
   }
 }
 
-TEST_F(JobsTest, AnUpdateChangesHowManyWorkersRenderAJobAndWhoComesFirst) {
+TEST_F(JobsTest, AnUpdateChangesWorkerLimitAndPriority) {
   start_coordinator();
   for (const char* name : {"one", "two", "three"}) start_worker(name, 1);
   ASSERT_TRUE(wait_for_workers(3));

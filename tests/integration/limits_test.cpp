@@ -10,7 +10,7 @@
 #include "core/image/encode.hpp"
 #include "proto/blob.hpp"
 #include "tests/integration/farm_processes.hpp"
-#include "tests/support/hostile_pictures.hpp"
+#include "tests/support/hostile_images.hpp"
 
 namespace tessera::test {
 namespace {
@@ -27,14 +27,14 @@ constexpr const char* kScene = R"({
   "shapes": [{"type": "mesh", "file": "mesh.obj", "material": "wall"}]
 })";
 
-std::string picture(int side_px) {
+std::string png_of_size(int side_px) {
   return *core::encode_image(core::Image(side_px, side_px), core::ImageFormat::kPng);
 }
 
 const Files& small_scene() {
   static const Files files{{"scene.json", kScene},
                            {"mesh.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1 4/1\n"},
-                           {"paint.png", picture(8)}};
+                           {"paint.png", png_of_size(8)}};
   return files;
 }
 
@@ -109,7 +109,7 @@ struct Excess {
 TEST_F(LimitsTest, EachRejectionNamesItsOption) {
   const std::string large(3 << 20, '\n');
   const Excess excesses[] = {
-      {"--max-picture-pixels", "255", small_scene(), "16 x 16 = 256 pixels"},
+      {"--max-image-pixels", "255", small_scene(), "16 x 16 = 256 pixels"},
       {"--max-spp", "1", small_scene(), "2 samples per pixel"},
       {"--max-blob-mib", "2", with("mesh.obj", large), "3145728 bytes"},
       {"--max-triangles", "1", small_scene(), "mesh.obj:6: the file has more than the 1 triangles"},
@@ -131,6 +131,13 @@ TEST_F(LimitsTest, EachRejectionNamesItsOption) {
     EXPECT_EQ(sound_jobs(), 0u);
     stop_coordinator();
   }
+}
+
+TEST_F(LimitsTest, PixelsOfAnImageKeepTheirFormerName) {
+  start({"--max-picture-pixels", "255"});
+  const grpc::Status status = submit_files(small_scene());
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(status.error_message(), HasSubstr("(tessera-coordinator --max-image-pixels)"));
 }
 
 TEST_F(LimitsTest, OfStreamsAreOptionsToo) {
@@ -193,7 +200,7 @@ TEST_F(LimitsTest, OfConnectionsAreReportedAndRetried) {
   EXPECT_TRUE(image(id, ".exr") == render_here(options, ".exr"));
 }
 
-TEST_F(LimitsTest, HostileScenesHarmNobodyElse) {
+TEST_F(LimitsTest, HostileScenesAffectNoOther) {
   start({"--validator", moody_validator(), "--validator-seconds", "1"});
   const struct {
     Files files;
@@ -216,7 +223,7 @@ TEST_F(LimitsTest, HostileScenesHarmNobodyElse) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "state" / "blobs" / "incoming"));
 }
 
-TEST_F(LimitsTest, ACoordinatorThatIsToldToStopDoesNotWaitForScenes) {
+TEST_F(LimitsTest, AStoppingCoordinatorDoesNotWaitForScenes) {
   start({"--validator", moody_validator(), "--validations", "1"});
   std::vector<std::future<grpc::Status>> submissions;
   for (int i = 0; i < 6; ++i)

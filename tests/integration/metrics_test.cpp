@@ -27,19 +27,25 @@ std::string metrics_port(const Process& process) {
   return found.empty() ? "" : found[1].str();
 }
 
-// The body of the answer.
-std::string scrape(const std::string& port) {
+// The whole answer.
+std::string answer(const std::string& port, const std::string& path) {
   addrinfo* address = nullptr;
   if (getaddrinfo("127.0.0.1", port.c_str(), nullptr, &address) != 0) return "";
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const bool connected = ::connect(socket, address->ai_addr, address->ai_addrlen) == 0;
   freeaddrinfo(address);
-  const std::string request = "GET /metrics HTTP/1.0\r\n\r\n";
+  const std::string request = "GET " + path + " HTTP/1.0\r\n\r\n";
   std::string response, buffer(4096, '\0');
   if (connected && ::send(socket, request.data(), request.size(), MSG_NOSIGNAL) > 0)
     for (ssize_t count; (count = ::recv(socket, buffer.data(), buffer.size(), 0)) > 0;)
       response.append(buffer, 0, static_cast<std::size_t>(count));
   ::close(socket);
+  return response;
+}
+
+// The metrics.
+std::string scrape(const std::string& port) {
+  const std::string response = answer(port, "/metrics");
   const std::size_t body = response.find("\r\n\r\n");
   return body == std::string::npos ? "" : response.substr(body + 4);
 }
@@ -79,6 +85,18 @@ TEST_F(MetricsTest, TellWhatAFarmHasDone) {
   EXPECT_NE(complaints("tessera_without_help 1\n"), "") << "promtool accepts anything";
 }
 
+// As the probes of Kubernetes ask (deploy/kubernetes/base/worker.yaml).
+TEST_F(MetricsTest, SayThatAWorkerIsReadyWhileItsCoordinatorAnswers) {
+  start_coordinator();
+  const std::string port = metrics_port(start_worker("worker", 1, {"--metrics", "127.0.0.1:0"}));
+  const auto is_ok = [&](const std::string& path) { return answer(port, path).find(" 200 ") == 8; };
+  EXPECT_TRUE(poll_until(std::chrono::seconds(20), [&] { return is_ok("/readyz"); }));
+  EXPECT_TRUE(is_ok("/healthz"));
+  kill_coordinator();
+  EXPECT_TRUE(poll_until(std::chrono::seconds(20), [&] { return !is_ok("/readyz"); }));
+  EXPECT_TRUE(is_ok("/healthz")) << "a restart would not bring the coordinator back";
+}
+
 TEST_F(MetricsTest, ProgramsDoNotStartWithoutThem) {
   coordinator_options_ = {"--metrics", "127.0.0.1:0"};
   start_coordinator();
@@ -86,7 +104,7 @@ TEST_F(MetricsTest, ProgramsDoNotStartWithoutThem) {
   const Outcome second =
       run_coordinator({"--listen", "127.0.0.1:0", "--state", folder_ / "other", "--metrics", taken});
   EXPECT_EQ(second.exit_code, 1);
-  EXPECT_THAT(second.err, HasSubstr("cannot listen on " + taken + " for --metrics: the port is in use"));
+  EXPECT_THAT(second.err, HasSubstr("--metrics: cannot listen on " + taken + ": Address already in use"));
   Process& worker = start_worker("worker", 1, {"--metrics", "9464"});
   EXPECT_EQ(worker.wait(std::chrono::seconds(20)), 1);
   EXPECT_THAT(worker.err(), HasSubstr("--metrics: must be HOST:PORT"));

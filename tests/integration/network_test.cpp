@@ -64,7 +64,7 @@ TEST_F(NetworkTest, ACutOfThirtySecondsCostsTimeAndNothingElse) {
   EXPECT_EQ(job(id).samples_done(), kSamples);
 }
 
-TEST_F(NetworkTest, ADisconnectedWorkerDelaysNobody) {
+TEST_F(NetworkTest, ADisconnectedWorkerDelaysNoOther) {
   start_farm(2);
   const std::string id = submit(options_);
   ASSERT_TRUE(wait_for_samples(id, kSamples / 20));

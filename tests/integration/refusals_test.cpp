@@ -52,7 +52,7 @@ std::vector<BadInput> bad_inputs() {
       {.name = "MisspeltKey",
        .scene = replaced(kScene, "\"albedo\"", "\"albdo\""),
        .mentions = {"scene.json:5", "albdo", "albedo"}},
-      {.name = "EmptyPicture",
+      {.name = "EmptyImage",
        .scene = replaced(kScene, "\"width\": 16", "\"width\": 0"),
        .mentions = {"scene.json:2", "width", "0"}},
       {.name = "TruncatedObj",

@@ -189,20 +189,20 @@ class StandardStreams : public WorkerFaultsTest, public testing::WithParamInterf
 
 // Output is lost, but nothing else fails.
 TEST_P(StandardStreams, ThatCannotBeWrittenEndNoProgram) {
-  const std::string listen = "127.0.0.1:" + std::to_string(free_port()), picture = folder_ / "a.png";
+  const std::string listen = "127.0.0.1:" + std::to_string(free_port()), output = folder_ / "a.png";
   Process coordinator =
       start(TESSERA_COORDINATOR_PROGRAM " --listen " + listen + " --state " + state_.string());
   Process worker = start(TESSERA_WORKER " --verbose --threads 1 --coordinator " + listen + " --cache " +
                          (folder_ / "cache").string());
   const auto submit = [&] {
     ProcessOptions options{.arguments = {TESSERA_CLIENT, "submit", kCornell, "--size", "64x64", "--spp", "1",
-                                         "--wait", "-o", picture, "--coordinator", listen}};
+                                         "--wait", "-o", output, "--coordinator", listen}};
     options.out = folder_ / "client.out";
     options.err = folder_ / "client.err";
     return Process(options).wait(60s) == 0;
   };
   EXPECT_TRUE(poll_until(60s, submit)) << read_file(folder_ / "client.err");
-  EXPECT_TRUE(std::filesystem::exists(picture));
+  EXPECT_TRUE(std::filesystem::exists(output));
   EXPECT_EQ(read_file(state_ / "lock"), "") << "a file has taken the place of a stream";
   for (Process* const process : {&worker, &coordinator}) {
     process->signal(SIGTERM);
@@ -213,7 +213,11 @@ TEST_P(StandardStreams, ThatCannotBeWrittenEndNoProgram) {
 INSTANTIATE_TEST_SUITE_P(
     WorkerFaultsTest, StandardStreams,
     testing::Values(Streams{"Closed", "exec <&- >&- 2>&-; "}, Streams{"Full", "exec > /dev/full 2>&1; "},
-                    Streams{"PipesWhoseReaderHasGone", "exec > >(exec true) 2>&1; sleep 0.5; "}),
+                    Streams{"PipesWhoseReaderHasGone", "exec > >(exec true) 2>&1; sleep 0.5; "},
+                    // The program's own other end keeps a pipe open that nobody empties.
+                    Streams{"FullPipesThatNobodyReads",
+                            "pipe=$(mktemp -u); mkfifo $pipe; exec 9<>$pipe; rm $pipe; "
+                            "head -c 65536 /dev/zero >&9; exec > /dev/null 2>&9; "}),
     [](const auto& streams) { return streams.param.name; });
 
 }  // namespace

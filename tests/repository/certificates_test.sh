@@ -38,6 +38,11 @@ grep -qF "work node1 $(cat farm/bundles/node1/worker.token)" farm/bundles/coordi
 expect_files farm/bundles/bob ca.pem client.pem client.key client.token
 grep -q '^submit bob ' farm/bundles/coordinator/tokens || fail "the coordinator's bundle has no token of bob"
 
+# A viewer is a person, too.
+"$script" --add --bundle farm --viewer vera >out
+expect_files farm/bundles/vera ca.pem client.pem client.key client.token
+grep -q '^watch vera ' farm/bundles/coordinator/tokens || fail "the coordinator's bundle has no token of vera"
+
 # Renewed: both tokens are valid, and the earlier one expires.
 before=$(cat farm/node1.token)
 cp farm/node1.pem earlier.pem

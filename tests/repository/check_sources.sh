@@ -40,8 +40,8 @@ forbid "core includes nothing of the farm." \
   "${include}(proto|server|worker|client|tessera/v1|grpc|google/protobuf|sqlite3|zstd)" "${sources[@]}" core
 forbid "core/cli includes of core only base." \
   "${include}(core|proto|server|worker|client|tessera/v1|grpc)/" --but '[<"]core/(base|cli)/' "${sources[@]}" core/cli
-forbid "core/common includes of core only base and image." \
-  "${include}(core|proto|server|worker|client|tessera/v1|grpc)/" --but '[<"]core/(base|image|common)/' "${sources[@]}" core/common
+forbid "core/common includes of core only base, http and image." \
+  "${include}(core|proto|server|worker|client|tessera/v1|grpc)/" --but '[<"]core/(base|http|image|common)/' "${sources[@]}" core/common
 forbid "core/http includes of core only base." \
   "${include}core/" --but '[<"]core/(base|http)/' "${sources[@]}" core/http
 forbid "core/view includes of core only base, film, http, image and math." \
@@ -69,7 +69,7 @@ forbid "Only the metrics include the library of Prometheus." "${include}promethe
 # The same bytes on every machine.
 forbid "Nothing is built for the building machine alone, or with inexact arithmetic." \
   '-m(arch|tune)=native|-f(fast|unsafe)-math|-Ofast|-ffp-contract=(fast|on)' "${builds[@]}" "${elsewhere[@]}" .
-# (A comparison of pictures may: it reports to people.)
+# (A comparison of images may: it reports to people.)
 forbid "Core calls none of the C library's elementary functions: core/math/elementary.hpp has ours." \
   '(std::|[^a-zA-Z0-9_:.>]::)(sin|cos|tan|asin|acos|atan|atan2|sinh|cosh|tanh|exp|exp2|expm1|log|log2|log10|log1p|pow|cbrt|hypot)f?\(' \
   --but '^core/image/compare\.cpp:' "${sources[@]}" core scenes
@@ -83,5 +83,21 @@ forbid "The farm's mutexes are core::Mutex, whose use Clang checks (core/base/mu
 forbid "No path of one machine." '(^|[^a-zA-Z0-9_.}])/(home|root|work|Users)/[a-zA-Z0-9_]' \
   "${sources[@]}" "${builds[@]}" --include=*.md --include=*.json --include=*.proto --include=generate \
   --include=*.txt --include=*.mtl --include=*.sgf "${elsewhere[@]}" .
+
+# Lines of Markdown wrap at 120 characters. Tables, code and links by themselves cannot be wrapped.
+prose() {
+  find . \( -path ./build -o -path './build-*' -o -path ./out -o -path ./.git \) -prune -o -name '*.md' -print0 |
+    xargs -0r awk '
+      FNR == 1 { code = 0 }
+      /^[[:space:]]*```/ { code = !code; next }
+      !code && !/^[[:space:]]*\|/ && !/^[[:space:]]*([-*] )?!?\[[^]]*\]\([^)]*\)[.,;]?$/ {
+        print substr(FILENAME, 3) ":" FNR ":" $0
+      }'
+}
+long=$(prose | LC_ALL=C.UTF-8 grep -E '^[^:]+:[0-9]+:.{121}') || true
+if [ -n "$long" ]; then
+  printf '%s\n%s\n\n' "Prose of Markdown wraps at 120 characters." "$long"
+  broken=1
+fi
 
 exit "$broken"

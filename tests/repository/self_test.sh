@@ -18,6 +18,12 @@ report() {
   failures=1
 }
 
+long=$(printf 'word %.0s' {1..30})
+{
+  printf '| %s |\n\n![%s](a.png)\n\n```\n%s\n```\n' "$long" "$long" "$long"
+  printf 'ä%.0s' {1..120}
+} >"$tree/good.md"
+
 "$check" "$tree" >/dev/null || report "finds a violation where there is none: $("$check" "$tree" || true)"
 
 # plant FILE LINE: the check must fail and name the file.
@@ -56,5 +62,7 @@ plant scenes/bad.cpp '#include <random>'
 plant core/film/bad.hpp '// see /home/someone/tessera'
 plant scenes/generate 'cd /home/someone/tessera'
 plant scenes/bad.mtl 'map_Kd /home/someone/wood.png'
+plant bad.md "$long"
+plant scenes/bad.md "- $long"
 
 exit "$failures"

@@ -7,7 +7,7 @@
 
 namespace tessera::test {
 
-// Adds a failure to the running test for each region of the picture in which two strategies differ by more
+// Adds a failure to the running test for each region of the image in which two strategies differ by more
 // than chance allows.
 void expect_strategies_agree(core::SceneDescription description);
 

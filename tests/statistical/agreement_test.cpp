@@ -64,7 +64,7 @@ TEST(Strategies, AgreeUnderASky) {
   expect_strategies_agree(maker.description());
 }
 
-// Lamps with and without extent, a screen with a picture on it, and a picture of the environment.
+// Lamps with and without extent, a screen with an image on it, and an image of the environment.
 TEST(Strategies, AgreeUnderLightsOfEveryKind) {
   test::SceneMaker maker({.position = {0, 1.5f, 6}, .look_at = {0, 0.8f, 0}});
   const TextureImage checks{2, 2, std::vector<float>{4, 1, 1, 0, 0, 0, 1, 2, 1, 6, 6, 1}};

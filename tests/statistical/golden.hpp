@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Golden pictures: small references of every shipped scene, each with the variance of a render, so that a
+// Golden images: small references of every shipped scene, each with the variance of a render, so that a
 // change of what a scene looks like is told apart from a change of its noise.
 //
 // They lie in tests/golden; `tessera_make_golden NAME...` makes them anew, after a change that is meant.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes golden pictures anew: tessera_make_golden NAME... (all, if none is named). See golden.hpp.
+// Makes golden images anew: tessera_make_golden NAME... (all, if none is named). See golden.hpp.
 #include <fmt/format.h>
 
 #include <string>

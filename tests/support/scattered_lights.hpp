@@ -41,7 +41,7 @@ inline std::vector<core::Light> scattered_lights(int count) {
     const Vec3 u = frame.tangent * size, v = frame.bitangent * size;
     switch (i % 5) {
       case 0:
-        lights.emplace_back(AreaLight(TriangleLight{p, p + u, p + v, {}, {}, {}}, front, emission));
+        lights.emplace_back(AreaLight(TriangleLight{p, p + u, p + v}, front, emission));
         break;
       case 1:
         lights.emplace_back(AreaLight(QuadLight{p, u, v}, front, emission));

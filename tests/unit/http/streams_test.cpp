@@ -110,7 +110,7 @@ TEST(HttpStream, IsSentAsItIsProduced) {
 }
 
 // Wakes that come while the source is read, before it waits, and after the end are not lost, and do no harm.
-TEST(HttpStream, MissesNoWake) {
+TEST(HttpStream, MissesNoNotification) {
   const auto box = std::make_shared<Mailbox>();
   auto handler = mailbox_handler(box);
   const auto server = start_server(handler);
@@ -128,7 +128,7 @@ TEST(HttpStream, MissesNoWake) {
   EXPECT_THAT(unchunked(all), testing::StartsWith(expected + "."));
 }
 
-TEST(HttpStream, IsAskedAgainWithoutAWake) {
+TEST(HttpStream, IsPolledAgainWithoutANotification) {
   const auto box = std::make_shared<Mailbox>();
   auto handler = mailbox_handler(box, milliseconds(20));
   const auto server = start_server(handler);

@@ -134,7 +134,7 @@ class Liar {
   std::unique_ptr<v1::WorkerService::StubInterface> coordinator_;
 };
 
-class LiarsTest : public FarmTest {
+class ForgedResultsTest : public FarmTest {
  protected:
   // A worker is listed for ten times as long after its last heartbeat.
   static constexpr double kLeaseSeconds = 20;
@@ -152,7 +152,7 @@ class LiarsTest : public FarmTest {
   }
 };
 
-TEST_F(LiarsTest, AuditsDetectLiarsAndTheImageIsThatOfALocalRender) {
+TEST_F(ForgedResultsTest, AuditsDetectForgedResultsAndTheImageIsThatOfALocalRender) {
   coordinator_options_ = {"--audit", "1"};
   start_coordinator(kLeaseSeconds);
   const std::string id = submit(options_);
@@ -182,7 +182,7 @@ TEST_F(LiarsTest, AuditsDetectLiarsAndTheImageIsThatOfALocalRender) {
 }
 
 // Without audits, its wrong samples are in a done image until it is detected.
-TEST_F(LiarsTest, SamplesOfAQuarantinedWorkerAreRenderedAgain) {
+TEST_F(ForgedResultsTest, SamplesOfAQuarantinedWorkerAreRenderedAgain) {
   start_coordinator(kLeaseSeconds);
   const std::string id = submit(options_);
   Liar liar_worker(address());
@@ -204,7 +204,7 @@ TEST_F(LiarsTest, SamplesOfAQuarantinedWorkerAreRenderedAgain) {
 }
 
 // Any caller that reaches the port could try this against another worker.
-TEST_F(LiarsTest, ForgedIdsLeasesAndNamesHarmNobody) {
+TEST_F(ForgedResultsTest, ForgedIdsLeasesAndNamesAffectNoOther) {
   coordinator_options_ = {"--audit", "0.02"};
   start_coordinator(kLeaseSeconds);
   Process& one = start_worker("one", 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures that promise or hold more than is good for whoever decodes them.
+// Images that promise or hold more than is good for whoever decodes them.
 #pragma once
 
 #include <cstddef>

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# closing_picture.sh [SPP]: what one sample of scenes/go at 3328x2048 costs on one core, measured over the whole picture
+# closing_image.sh [SPP]: what one sample of scenes/go at 3328x2048 costs on one core, measured over the whole image
 # at SPP samples per pixel (4), and what 8192 would cost, as a row of Markdown.
 set -euo pipefail
 
 spp=${1:-4}
 root=$(dirname "${BASH_SOURCE[0]}")/..
 tessera=${TESSERA_BIN:-$root/build/profiled/bin}/tessera
-[ -x "$tessera" ] || { echo "closing_picture.sh: there is no $tessera; ./run.sh builds it" >&2; exit 1; }
+[ -x "$tessera" ] || { echo "closing_image.sh: there is no $tessera; ./run.sh builds it" >&2; exit 1; }
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 

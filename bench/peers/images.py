@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The noise of pictures that differ in their seed alone, and how well two renderers agree. Plain Python; PFM files."""
+"""The noise of images that differ in their seed alone, and how well two renderers agree. Plain Python; PFM files."""
 
 import array
 import sys
@@ -9,7 +9,7 @@ def read_pfm(path):
     """(width, height, values): three floats a pixel, from the bottom row upwards."""
     with open(path, "rb") as file:
         if file.readline().strip() != b"PF":
-            raise ValueError(f"{path} is not a PFM picture of three channels")
+            raise ValueError(f"{path} is not a PFM image of three channels")
         width, height = map(int, file.readline().split())
         little_endian = float(file.readline()) < 0
         values = array.array("f")
@@ -19,18 +19,18 @@ def read_pfm(path):
     return width, height, values
 
 
-def mean_picture(pictures):
-    count = len(pictures)
-    return array.array("f", (sum(values) / count for values in zip(*pictures)))
+def mean_image(images):
+    count = len(images)
+    return array.array("f", (sum(values) / count for values in zip(*images)))
 
 
-def noise(pictures, expected):
-    """(MSE, relative MSE) of one picture of several with independent seeds: the mean of the values' sample variance,
-    for two pictures a and b (a-b)^2 / 2, and of it over the square of the value to expect plus 0.01."""
-    if len(pictures) < 2:
-        raise ValueError("noise needs two pictures")
+def noise(images, expected):
+    """(MSE, relative MSE) of one image of several with independent seeds: the mean of the values' sample variance,
+    for two images a and b (a-b)^2 / 2, and of it over the square of the value to expect plus 0.01."""
+    if len(images) < 2:
+        raise ValueError("noise needs two images")
     total = relative = 0.0
-    for value, *samples in zip(expected, *pictures):
+    for value, *samples in zip(expected, *images):
         mean = sum(samples) / len(samples)
         variance = sum((sample - mean) ** 2 for sample in samples) / (len(samples) - 1)
         total += variance
@@ -39,7 +39,7 @@ def noise(pictures, expected):
 
 
 def region_ratios(first, second, width, height, side=8):
-    """Means of the second over the first, of the picture and of each of side * side regions that is not black."""
+    """Means of the second over the first, of the image and of each of side * side regions that is not black."""
 
     def mean_of(values, column, row):
         total = 0.0
