@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Builds Tessera, renders every scene that comes with it, measures what docs/notebook/report.md reports, and puts all
-# pictures on one sheet. Needs Debian 12.
+# images on one sheet. Needs Debian 12.
 set -euo pipefail
 started_in=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -10,13 +10,13 @@ usage() {
   cat <<'EOF_USAGE'
 Usage: ./run_all.sh [--quick] [--out DIR]
 
-Renders every scene of scenes/, with one line for each picture, into out/report (or DIR):
-  NAME.png, NAME.exr     the pictures
+Renders every scene of scenes/, with one line for each image, into out/report (or DIR):
+  NAME.png, NAME.exr     the images
   NAME.json              their statistics: times, rays, memory
   measurements.md        the errors and times that docs/notebook/report.md reports
-  contact_sheet.png      all pictures on one sheet
+  contact_sheet.png      all images on one sheet
 
-  --quick     smaller pictures with fewer samples: under five minutes on two cores; without it, many times that
+  --quick     smaller images with fewer samples: under five minutes on two cores; without it, many times that
 EOF_USAGE
 }
 
@@ -36,9 +36,9 @@ while [ $# -gt 0 ]; do
   shift
 done
 
-# Every picture: name, scene file, then size and samples per pixel, in full and with --quick, then options.
+# Every image: name, scene file, then size and samples per pixel, in full and with --quick, then options.
 # References have another seed than what is measured against them.
-pictures=(
+images=(
   "whitted                 whitted_and_path/whitted.json                640x400 128   320x200 16"
   "path                    whitted_and_path/path.json                   640x400 128   320x200 128"
   "small_light_naive       small_light/scene.json                       320x200 128   160x100 128   --integrator naive"
@@ -69,11 +69,11 @@ pictures=(
 bin=build/release/bin
 log=build/release.log
 
-# picture NUMBER NAME SCENE SIZE SPP [OPTIONS...]: renders it and says how long it took.
-picture() {
+# image NUMBER NAME SCENE SIZE SPP [OPTIONS...]: renders it and says how long it took.
+image() {
   local number=$1 name=$2 scene=$3 size=$4 spp=$5
   shift 5
-  printf '[%2d/%d] %-24s %-8s %5s spp  ' "$number" ${#pictures[@]} "$name" "$size" "$spp"
+  printf '[%2d/%d] %-24s %-8s %5s spp  ' "$number" ${#images[@]} "$name" "$size" "$spp"
   "$bin/tessera" render "build/release/share/tessera/scenes/$scene" --size "$size" --spp "$spp" "$@" --quiet \
     -o "$out/$name.png" -o "$out/$name.exr" --stats "$out/$name.json"
   jq -r '"\(.render_seconds * 10 | round / 10) s, \(.samples_per_second / 1e4 | round / 100) million samples/s"' \
@@ -82,21 +82,21 @@ picture() {
 
 render_all() {
   local i name scene full_size full_spp quick_size quick_spp options
-  for i in "${!pictures[@]}"; do
-    read -r name scene full_size full_spp quick_size quick_spp options <<<"${pictures[i]}"
+  for i in "${!images[@]}"; do
+    read -r name scene full_size full_spp quick_size quick_spp options <<<"${images[i]}"
     # shellcheck disable=SC2086  # options are words
     if "$quick"; then
-      picture $((i + 1)) "$name" "$scene" "$quick_size" "$quick_spp" $options
+      image $((i + 1)) "$name" "$scene" "$quick_size" "$quick_spp" $options
     else
-      picture $((i + 1)) "$name" "$scene" "$full_size" "$full_spp" $options
+      image $((i + 1)) "$name" "$scene" "$full_size" "$full_spp" $options
     fi
   done
 }
 
 contact_sheet() {
   local i name tiles=()
-  for i in "${!pictures[@]}"; do
-    read -r name _ <<<"${pictures[i]}"
+  for i in "${!images[@]}"; do
+    read -r name _ <<<"${images[i]}"
     tiles+=(-label "$name" "$out/$name.png")
   done
   gm montage -font /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf -pointsize 13 \
@@ -115,7 +115,7 @@ if ! { cmake --preset release && cmake --build --preset release --parallel "$(np
   exit 1
 fi
 
-echo "== Pictures"
+echo "== Images"
 render_all
 
 echo "== Measurements"
@@ -123,4 +123,4 @@ scripts/measure_figures.sh "$out" | tee "$out/measurements.md"
 
 contact_sheet
 echo "== Done"
-echo "All pictures on one sheet: $out/contact_sheet.png"
+echo "All images on one sheet: $out/contact_sheet.png"
