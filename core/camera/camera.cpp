@@ -97,7 +97,7 @@ DoubleCone Camera::lens_cone(Vec3 focus) const {
 
 float Camera::share_of_lens(float area, Vec3 point, float radius) const {
   const float depth = dot(point - position_, forward_);
-  if (depth + radius <= 0) return 0;
+  if (depth - radius <= 0) return 0;
   const float gap = std::fabs(depth - focus_distance_) - radius;
   if (!(gap > 0)) return std::numeric_limits<float>::infinity();
   const float scale = focus_distance_ / gap;

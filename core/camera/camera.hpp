@@ -39,7 +39,8 @@ class Camera {
   // Contains the rays of a point in focus, continued backwards.
   DoubleCone lens_cone(Vec3 focus) const;
   // The share of the lens that `area` fills when a point in focus projects it from `point`, or at most from
-  // `radius` away, onto the lens. 0 if it is behind the lens, infinity if it may be in focus.
+  // `radius` away, onto the lens. 0 if it is behind the lens or around
+  // it, infinity if it may be in focus.
   float share_of_lens(float area, Vec3 point, float radius) const;
 
  private:

@@ -93,6 +93,8 @@ TEST(Camera, KnowsTheShareOfTheLensThatSomethingFills) {
   EXPECT_FLOAT_EQ(camera.share_of_lens(0.01f, {9, 2, -3}, 1), 0.01f * 16 / lens);
   EXPECT_EQ(camera.share_of_lens(0.01f, {9, 2, -3}, 2), std::numeric_limits<float>::infinity());
   EXPECT_EQ(camera.share_of_lens(0.01f, {9, 2, 4}, 0.5f), 0) << "behind the lens";
+  EXPECT_EQ(camera.share_of_lens(0.01f, {9, 2, 3.1f}, 0.5f), 0) << "around the lens";
+  EXPECT_EQ(camera.share_of_lens(0.01f, {9, 2, 2.9f}, 0.5f), 0) << "around the lens";
 }
 
 TEST(Camera, HasALensIfItBlurs) {
