@@ -84,11 +84,13 @@ T mirrored(T coordinate) {
   return select(within > 1.0f, T(2.0f) - within, within);
 }
 
-// The centre of the texel of a coordinate inside of the image, where the others have no weight but rounding.
+// The centre of the texel of a coordinate, where the others have no weight but rounding; inside of the image
+// if it repeats, since large coordinates are coarse.
 template <typename T>
-T centre_of_texel(T coordinate, T size) {
+T centre_of_texel(T coordinate, T size, MaskOf<T> repeat) {
   using std::floor;
-  return (floor(coordinate * size) + 0.5f) / size;
+  const T within = select(repeat, coordinate - floor(coordinate), coordinate);
+  return (floor(within * size) + 0.5f) / size;
 }
 
 // `coordinate` is in units of the image, from 0 at the first texel's outer edge.
@@ -291,8 +293,8 @@ Rgb Texture::evaluate(Vec2 uv) const {
   if (wrap == Wrap::kMirror) at.x = mirrored(at.x);
   if (along_v == Wrap::kMirror) at.y = mirrored(at.y);
   if (filter == TextureFilter::kNearest)
-    at = {centre_of_texel(at.x, static_cast<float>(image->width())),
-          centre_of_texel(at.y, static_cast<float>(image->height()))};
+    at = {centre_of_texel(at.x, static_cast<float>(image->width()), wrap == Wrap::kRepeat),
+          centre_of_texel(at.y, static_cast<float>(image->height()), along_v == Wrap::kRepeat)};
   return image->bilinear(at, wrap, along_v);
 }
 
@@ -307,11 +309,11 @@ class NearestLanes {
     widths_.set(lane, static_cast<float>(texture.image->width()));
     heights_.set(lane, static_cast<float>(texture.image->height()));
   }
-  Vec2Of<Float8> moved_to_centres(Vec2Of<Float8> at) const {
+  Vec2Of<Float8> moved_to_centres(Vec2Of<Float8> at, Mask8 repeat_u, Mask8 repeat_v) const {
     if (nearest_ == 0) return at;
     const Mask8 lanes = Mask8::from_bits(nearest_);
-    return {select(lanes, centre_of_texel(at.x, widths_.all()), at.x),
-            select(lanes, centre_of_texel(at.y, heights_.all()), at.y)};
+    return {select(lanes, centre_of_texel(at.x, widths_.all(), repeat_u), at.x),
+            select(lanes, centre_of_texel(at.y, heights_.all(), repeat_v), at.y)};
   }
 
  private:
@@ -366,8 +368,10 @@ RgbOf<Float8> Texture::evaluate(const std::array<const Texture*, kLaneCount>& te
     const Mask8 lanes = Mask8::from_bits(sheared);
     at = {select(lanes, at.x + uv.y * shear_u.all(), at.x), select(lanes, at.y + uv.x * shear_v.all(), at.y)};
   }
-  at = nearest.moved_to_centres({wrap_u.mirrored_where_due(at.x), wrap_v.mirrored_where_due(at.y)});
-  return TextureImage::bilinear(images, at, Mask8::from_bits(wrap_u.repeat), Mask8::from_bits(wrap_v.repeat));
+  const Mask8 repeat_u = Mask8::from_bits(wrap_u.repeat), repeat_v = Mask8::from_bits(wrap_v.repeat);
+  at = nearest.moved_to_centres({wrap_u.mirrored_where_due(at.x), wrap_v.mirrored_where_due(at.y)}, repeat_u,
+                                repeat_v);
+  return TextureImage::bilinear(images, at, repeat_u, repeat_v);
 }
 
 namespace {

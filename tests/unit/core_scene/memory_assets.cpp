@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 #include "core/image/encode.hpp"
 
 namespace tessera::core::test {
@@ -39,6 +41,14 @@ std::string scene_with(const std::string& keys, const std::string& materials, co
 
 std::string png(const Image& image) {
   return *encode_image(image, ImageFormat::kPng);
+}
+std::string layered_exr() {
+  static constexpr std::array kValues{0.125f, 0.25f, 0.375f, 0.5f, 0.625f, 0.75f, 0.875f};
+  ChannelRows source;
+  source.width = source.height = 1;
+  source.channels = {"R", "G", "B", "Depth.Z", "Tint.R", "Tint.G", "Tint.B"};
+  source.row = [](int) -> Result<const float*> { return kValues.data(); };
+  return encode_channels(source, ImageFormat::kExr, {}).value_or("");
 }
 std::string hdr(const Image& image) {
   return *encode_image(image, ImageFormat::kHdr);

@@ -44,6 +44,8 @@ std::string scene_with(const std::string& keys, const std::string& materials, co
 
 std::string png(const Image& image);
 std::string hdr(const Image& image);
+// One pixel of the channels R, G, B, Depth.Z, Tint.R, Tint.G and Tint.B with the values 1/8 to 7/8.
+std::string layered_exr();
 Image one_color(int width, int height, Rgb color);
 
 }  // namespace tessera::core::test

@@ -7,12 +7,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "core/image/encode.hpp"
 #include "core/image/srgb.hpp"
 #include "core/scene/loader/loader.hpp"
 #include "core/textures/image_decoder.hpp"
@@ -22,6 +22,7 @@ namespace tessera::core {
 namespace {
 
 using test::hdr;
+using test::layered_exr;
 using test::one_color;
 using test::png;
 
@@ -30,16 +31,6 @@ Texture texture_of(int width, int height, std::vector<float> grays, Wrap wrap = 
   std::vector<float> texels;
   for (const float gray : grays) texels.insert(texels.end(), {gray, gray * 2, gray * 4});
   return {std::make_shared<const TextureImage>(width, height, std::move(texels)), wrap};
-}
-
-// One pixel of the channels R, G, B, Depth.Z, Tint.R, Tint.G and Tint.B with the values 1/8 to 7/8.
-std::string layered_exr() {
-  static constexpr std::array kValues{0.125f, 0.25f, 0.375f, 0.5f, 0.625f, 0.75f, 0.875f};
-  ChannelRows source;
-  source.width = source.height = 1;
-  source.channels = {"R", "G", "B", "Depth.Z", "Tint.R", "Tint.G", "Tint.B"};
-  source.row = [](int) -> Result<const float*> { return kValues.data(); };
-  return encode_channels(source, ImageFormat::kExr, {}).value_or("");
 }
 
 TEST(TextureDecoding, LayersAndChannelsOfOpenExrAreSelectable) {
@@ -143,6 +134,12 @@ TEST(Texture, HasTheValueOfTheNearestTexel) {
                                     {1.01f, 1.0f},
                                     {-0.01f, 2.0f}})
     EXPECT_NEAR(t.evaluate({u, 0.1f}).r, expected, 1e-5f) << u;
+  // Far from the first repetition, where floats are a sixteenth of a texel apart.
+  std::vector<float> grays(1024);
+  std::iota(grays.begin(), grays.end(), 0.0f);
+  t = texture_of(1024, 1, grays);
+  t.filter = TextureFilter::kNearest;
+  EXPECT_NEAR(t.evaluate({1000 + 10.4f / 1024, 0.5f}).r, 10, 1e-3f);
 }
 
 TEST(Texture, WrapsAlongVByItself) {

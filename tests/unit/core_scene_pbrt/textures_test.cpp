@@ -2,9 +2,6 @@
 // Textures of pbrt files: constants, images, and what is evaluated into images.
 #include <gmock/gmock.h>
 
-#include <array>
-
-#include "core/image/encode.hpp"
 #include "core/image/srgb.hpp"
 #include "tests/unit/core_scene_pbrt/pbrt_scene.hpp"
 
@@ -33,16 +30,6 @@ MemoryAssets::Files four_colors() {
   Image image(2, 2);
   image.pixels = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   return {{"four.png", png(image)}};
-}
-
-// One pixel of the channels R, G, B, Depth.Z, Tint.R, Tint.G and Tint.B with the values 1/8 to 7/8.
-std::string layered_exr() {
-  static constexpr std::array kValues{0.125f, 0.25f, 0.375f, 0.5f, 0.625f, 0.75f, 0.875f};
-  ChannelRows source;
-  source.width = source.height = 1;
-  source.channels = {"R", "G", "B", "Depth.Z", "Tint.R", "Tint.G", "Tint.B"};
-  source.row = [](int) -> Result<const float*> { return kValues.data(); };
-  return encode_channels(source, ImageFormat::kExr, {}).value_or("");
 }
 
 TEST(PbrtTextures, ChannelsOfOpenExrFilesHaveNames) {
