@@ -78,12 +78,23 @@ class HttpApiTest : public FarmTest {
   int clients_ = 0;
 };
 
+// Unmounts a file system, whatever ends the test.
+struct Mounted {
+  explicit Mounted(std::filesystem::path at) : path(std::move(at)) {}
+  ~Mounted() { umount2(path.c_str(), MNT_DETACH); }
+  Mounted(const Mounted&) = delete;
+  Mounted& operator=(const Mounted&) = delete;
+
+  const std::filesystem::path path;
+};
+
 TEST_F(HttpApiTest, IsNotReadyWhileTheDiskOfTheStateIsFull) {
   const std::filesystem::path disk = folder_ / "disk";
   std::filesystem::create_directory(disk);
   if (mount("tessera-test", disk.c_str(), "tmpfs", 0, "size=16m,mode=0700") != 0)
     GTEST_SKIP() << "a file system for this test cannot be mounted (that needs root): "
                  << std::strerror(errno);
+  const Mounted mounted(disk);
   state_ = disk / "state";
   coordinator_options_ = {"--http", "127.0.0.1:0"};
   start_coordinator();
@@ -96,7 +107,6 @@ TEST_F(HttpApiTest, IsNotReadyWhileTheDiskOfTheStateIsFull) {
   std::filesystem::remove(disk / "filler");
   EXPECT_TRUE(poll_until(std::chrono::seconds(20), is_ready)) << get("/readyz");
   stop_coordinator();
-  umount2(disk.c_str(), MNT_DETACH);
 }
 
 TEST_F(HttpApiTest, ShowsWhatTheFarmRenders) {
