@@ -20,7 +20,7 @@ struct TangentMap {
 // growing u without one, turned by an angle.
 struct TangentDirection {
   TangentMap map{};
-  ScalarParameter rotation = 0;  // in turns, from growing u towards growing v
+  ScalarParameter rotation = 0;  // from increasing u towards increasing v; 1 is a whole rotation
 };
 
 inline bool is_along_u(const TangentDirection& direction) {

@@ -52,8 +52,8 @@ Vec3Of<T> ClosureOf<T>::to_coat(Vec3Of<T> w) const {
   return any(turned_coat_.lanes) ? select(turned_coat_.lanes, turned_coat_.frame.to_local(w), w) : w;
 }
 
-// A turned coat scatters only to the side of the base's normal that the viewer is on: what it scatters below
-// the plane of the base is mirrored at that plane, so that no light is lost.
+// A turned coat scatters only to the side of the base's normal that the viewer is on: what a rough one
+// scatters below the plane of the base is mirrored at that plane. Ideal reflection below it is lost.
 template <typename T>
 template <typename Lobe, typename Slot>
 BsdfValueOf<T> ClosureOf<T>::evaluate_lobe(const Lobe& lobe, Slot, Vec3Of<T> wo, Vec3Of<T> wi,

@@ -44,7 +44,7 @@ constexpr auto tangent_keys(std::string_view map, std::string_view rotation,
               "components from −1 to 1 along increasing u and v",
               KeyTraits{.otherwise = "increasing u"}},
       PartKey{rotation, direction, &TangentDirection::rotation, domains::kTangentTurns,
-              "turns that direction, in turns from increasing u towards increasing v"}};
+              "rotates that direction from increasing u towards increasing v; 1 is a whole rotation"}};
 }
 
 template <>
