@@ -38,12 +38,11 @@ constexpr NamedMetal kMetals[] = {
     {"Cr", {Conductor::kChromium}},
     {"CsI", {Conductor::kCaesiumIodide}},
     {"Cu", {Conductor::kCopper}},
-    {"Cu_palik", {Conductor::kCopper}},
     {"CuZn", {Conductor::kBrass}},
     {"d-C", {Conductor::kDiamond}},
     {"Hg", {Conductor::kMercury}},
     {"MgO", {Conductor::kMagnesiumOxide}},
-    {"Ni_palik", {Conductor::kNickel}},
+    {"Ni", {Conductor::kNickel}},
     {"SiC", {Conductor::kSiliconCarbide}},
     {"TiN", {Conductor::kTitaniumNitride}},
     {"TiO2", {Conductor::kTitaniumDioxide}},
@@ -59,7 +58,7 @@ constexpr NamedMetal kMetals[] = {
     {"K", {Conductor::kSilver, true}},
     {"Li", {Conductor::kAluminium, true}},
     {"Mo", {Conductor::kChromium, true}},
-    {"Na_palik", {Conductor::kSilver, true}},
+    {"Na", {Conductor::kSilver, true}},
     {"Nb", {Conductor::kTungsten, true}},
     {"Rh", {Conductor::kMercury, true}},
     {"Se", {Conductor::kTitaniumDioxideExtraordinary, true}},
@@ -71,7 +70,7 @@ constexpr NamedMetal kMetals[] = {
     {"ThF4", {Conductor::kMagnesiumOxide, true}},
     {"TiC", {Conductor::kTungsten, true}},
     {"VC", {Conductor::kTungsten, true}},
-    {"V_palik", {Conductor::kBeryllium, true}},
+    {"V", {Conductor::kBeryllium, true}},
     {"VN", {Conductor::kTungsten, true}},
 };
 
@@ -101,7 +100,10 @@ float refractive_index(const Plugin& plugin, std::string_view name, std::string_
   return known.value_or(missing);
 }
 
+// Mitsuba has the indices of several metals by two sources; those of Palik have names of their own.
 std::optional<Metal> find_metal(std::string_view name) {
+  constexpr std::string_view kPalik = "_palik";
+  if (name.ends_with(kPalik)) name.remove_suffix(kPalik.size());
   for (const auto& [known, metal] : kMetals)
     if (known == name) return metal;
   return std::nullopt;

@@ -159,6 +159,8 @@ TEST(MitsubaBsdf, CrystalsHaveTheirIndices) {
   EXPECT_NEAR(reflectance("SiC"), 0.206f, 0.001f);
   EXPECT_NEAR(reflectance("CsI"), 0.081f, 0.001f);
   EXPECT_NEAR(reflectance("Be"), 0.535f, 0.001f);
+  for (const char* const name : {"Be", "Cr", "Cu", "d-C", "Hg", "MgO", "Ni", "SiC", "TiN", "TiO2", "V"})
+    EXPECT_EQ(reflectance(std::string(name) + "_palik"), reflectance(name)) << name;
 }
 
 TEST(MitsubaBsdf, MetalsWithoutIndicesAreReplacedByNearOnes) {
