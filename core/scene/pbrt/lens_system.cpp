@@ -99,7 +99,7 @@ std::optional<FocusedLens> focused(const LensSystem& lens, double distance) {
   const double from_plane = thick.length - thick.front_plane() + thick.rear_plane();
   const double sum = distance - from_plane, root = sum * (sum - 4 * f);
   if (!(sum > 0 && root >= 0)) return std::nullopt;
-  const double image = (sum - std::sqrt(root)) / 2;
+  const double image = 2 * f * sum / (sum + std::sqrt(root));  // without the difference of large numbers
   FocusedLens made;
   made.focal_length = f;
   made.pupil_radius = thick.pupil_radius;

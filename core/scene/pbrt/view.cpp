@@ -279,8 +279,9 @@ Vec2 shift_of(const Parameters& p, float left, float right, float bottom, float 
 // Lengths of the camera are in its own space; lenses are in millimetres, in a space of metres.
 void ViewConverter::convert_lens(const Parameters& p, float world_scale, CameraDescription& camera) {
   if (lens_) {
-    camera.aperture_radius = static_cast<float>(lens_->pupil_radius * kMetresPerMm) * world_scale;
-    camera.focus_distance = static_cast<float>(lens_->focus_distance * kMetresPerMm) * world_scale;
+    const double scale = kMetresPerMm * double{world_scale}, furthest = double{kMaxDistance};
+    camera.aperture_radius = static_cast<float>(std::clamp(lens_->pupil_radius * scale, 0.0, furthest));
+    camera.focus_distance = static_cast<float>(std::clamp(lens_->focus_distance * scale, 1e-20, furthest));
     return;
   }
   const float radius = p.number_in("lensradius", 0, 0, kMaxDistance),

@@ -146,6 +146,12 @@ TEST(PbrtView, TheEntrancePupilIsTheImageOfTheStop) {
   EXPECT_NEAR(lens->pupil_radius, 10, 1e-9);
   EXPECT_NEAR(lens->pupil_distance, 75, 1e-4);
   EXPECT_NEAR(lens->field, 0.01, 1e-6);
+  for (const double distance : {1e15, 1e18, 1e33}) {
+    const auto far = pbrt::focused({{50, 0, 1.5, 80}, {0, 20, 1, 80}, {0, 80, 0, 16}}, distance);
+    ASSERT_TRUE(far) << distance;
+    EXPECT_NEAR(far->field, 0.01, 1e-9);
+    EXPECT_NEAR(far->focus_distance / distance, 1, 1e-9);
+  }
 }
 
 TEST(PbrtView, BrokenLensesBecomeOneOf50Mm) {
