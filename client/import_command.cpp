@@ -17,6 +17,7 @@
 #include "core/image/file_io.hpp"
 #include "core/scene/cache/scene_digest.hpp"
 #include "core/scene/import/scene_format.hpp"
+#include "core/scene/loader/asset_source.hpp"
 #include "core/scene/loader/loader.hpp"
 #include "core/scene/writer/scene_writer.hpp"
 
@@ -95,7 +96,9 @@ void print_json(const ImportOptions& options, const std::vector<std::string>& wa
                 const std::vector<std::string>& written) {
   using Json = nlohmann::ordered_json;
   const std::string& path = options.scene.scene_path;
-  const auto format = core::format_by_ending(path).value_or(core::SceneFormat::kTessera);
+  const std::filesystem::path file(path);
+  core::FolderAssets folder(file.parent_path().string());
+  const auto format = core::format_of(folder, file.filename().string()).value_or(core::SceneFormat::kTessera);
   const Json json = {{"file", core::printable(path)},
                      {"format", std::string(core::scene_format_name(format))},
                      {"written", written},

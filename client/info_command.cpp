@@ -264,7 +264,7 @@ int run_info(const InfoOptions& options) {
   ObservedAssets assets(overridden);
   const auto scene = core::load_scene(assets, name, options.scene.scene_path);
   const std::string format(
-      core::scene_format_name(core::format_by_ending(name).value_or(core::SceneFormat::kTessera)));
+      core::scene_format_name(core::format_of(folder, name).value_or(core::SceneFormat::kTessera)));
   Json json = {{"file", core::printable(options.scene.scene_path)}, {"format", format}};
   if (scene) json.update(scene_json(*scene));
   json["files"] = files_json(assets);

@@ -52,12 +52,6 @@ Result<MeshDescription> read_indexed_mesh(SceneBuilder& builder, ObjMaterials& m
   return mesh;
 }
 
-SceneFormat format_of(AssetSource& assets, const std::string& path) {
-  if (const auto format = format_by_ending(path)) return *format;
-  const auto bytes = assets.read(path);
-  return bytes ? format_by_content(*bytes) : SceneFormat::kObj;
-}
-
 }  // namespace
 
 Result<SceneDescription> read_mesh_scene(AssetSource& assets, const std::string& scene_path,
@@ -66,9 +60,10 @@ Result<SceneDescription> read_mesh_scene(AssetSource& assets, const std::string&
   builder.scene().settings.width_px = kMeshSceneWidthPx;
   builder.scene().settings.height_px = kMeshSceneHeightPx;
   ObjMaterials materials(builder.files(), builder.scene(), builder.warnings());
-  const SceneFormat format = format_of(assets, scene_path);
-  auto mesh = format == SceneFormat::kObj ? read_obj_mesh(builder, materials)
-                                          : read_indexed_mesh(builder, materials, format);
+  const auto format = format_of(assets, scene_path);
+  if (!format) return fail(format.error().within(display_path));
+  auto mesh = *format == SceneFormat::kObj ? read_obj_mesh(builder, materials)
+                                           : read_indexed_mesh(builder, materials, *format);
   if (!mesh) return fail(mesh.error().within(display_path));
   if (auto counted = builder.count_triangles(scene_path, mesh->triangles.size()); !counted)
     return fail(counted.error().within(display_path));

@@ -79,4 +79,11 @@ SceneFormat format_by_content(std::string_view bytes) {
   return SceneFormat::kTessera;
 }
 
+Result<SceneFormat> format_of(AssetSource& assets, const std::string& path) {
+  if (const auto format = format_by_ending(path)) return *format;
+  const auto bytes = assets.read(path);
+  if (!bytes) return fail(bytes.error());
+  return format_by_content(*bytes);
+}
+
 }  // namespace tessera::core

@@ -3,7 +3,11 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
+
+#include "core/base/error.hpp"
+#include "core/scene/loader/asset_source.hpp"
 
 namespace tessera::core {
 
@@ -17,5 +21,7 @@ std::string_view scene_format_name(SceneFormat format);
 std::optional<SceneFormat> format_by_ending(std::string_view path);
 // By the first bytes of the file. kTessera if nothing else fits: its reader says what is wrong.
 SceneFormat format_by_content(std::string_view bytes);
+// By the ending or else by the first bytes. Errors are those of reading the file.
+Result<SceneFormat> format_of(AssetSource& assets, const std::string& path);
 
 }  // namespace tessera::core

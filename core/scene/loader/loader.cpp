@@ -31,12 +31,8 @@ ReadScene* reader_of(SceneFormat format) {
 
 Result<SceneDescription> load(AssetSource& assets, const std::string& scene_path,
                               const std::string& display_path, const SceneLimits& limits) {
-  auto format = format_by_ending(scene_path);
-  if (!format) {
-    const auto bytes = assets.read(scene_path);
-    if (!bytes) return fail(bytes.error().within(display_path));
-    format = format_by_content(*bytes);
-  }
+  const auto format = format_of(assets, scene_path);
+  if (!format) return fail(format.error().within(display_path));
   return reader_of(*format)(assets, scene_path, display_path, limits);
 }
 

@@ -48,6 +48,16 @@ TEST_F(ImportAndInfo, ImportReportsWhatIsApproximated) {
   EXPECT_EQ(run_tessera({"import", path("mesh.ply"), "-o", path("out.gltf")}).exit_status, 2);
 }
 
+TEST_F(ImportAndInfo, FormatsOfOtherEndingsAreThoseOfTheContent) {
+  write("mesh.scan", kPlyTriangle);
+  const auto info = run_tessera({"info", path("mesh.scan"), "--json"});
+  ASSERT_EQ(info.exit_status, 0) << info.err;
+  EXPECT_EQ(nlohmann::json::parse(info.out)["format"], "PLY");
+  const auto imported = run_tessera({"import", path("mesh.scan"), "-o", path("out.json"), "--json"});
+  ASSERT_EQ(imported.exit_status, 0) << imported.err;
+  EXPECT_EQ(nlohmann::json::parse(imported.out)["format"], "PLY");
+}
+
 TEST_F(ImportAndInfo, InfoTellsWhatIsInAScene) {
   write("mesh.ply", kPlyTriangle);
   const auto info = run_tessera({"info", path("mesh.ply"), "--json"});
