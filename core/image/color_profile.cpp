@@ -148,6 +148,7 @@ Text of_jpeg(std::string_view bytes) {
   std::string icc;
   std::size_t at = 2;
   while (part(bytes, at, 1) == "\xff"sv) {
+    while (part(bytes, at + 1, 1) == "\xff"sv) ++at;  // fill bytes
     const std::uint32_t marker = integer(bytes, at + 1, 1), length = integer(bytes, at + 2, 2);
     if (marker == 0xda || length < 2) break;  // the scan
     const std::string_view segment = part(bytes, at + 4, length - 2);

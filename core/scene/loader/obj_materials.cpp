@@ -324,7 +324,9 @@ Status ObjMaterials::add_bump(const MtlMaterial& material, MtlTextures& textures
   if (!image) return fail(image.error());
   if (!*image) return {};
   if (!is_normal_map(**image)) {
-    textures.bump = add_texture(*image, material.bump_map);
+    const auto heights = load(material.bump_map, ColorSpace::kLinear, material.bump_map->channel);
+    if (!heights) return fail(heights.error());
+    textures.bump = add_texture(*heights, material.bump_map);
   } else if (textures.normal < 0) {
     textures.normal = add_texture(*image, material.bump_map);
   }

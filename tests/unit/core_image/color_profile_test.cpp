@@ -86,6 +86,9 @@ TEST(ColorProfile, OfJpegTiffAndWebp) {
                                   big_endian(static_cast<std::uint32_t>(segment.size()) + 2, 2) + segment +
                                   "\xff\xda"),
             "ProPhoto RGB");
+  EXPECT_EQ(foreign_color_profile("\xff\xd8\xff\xff\xe2" +  // with a fill byte
+                                  big_endian(static_cast<std::uint32_t>(segment.size()) + 2, 2) + segment),
+            "ProPhoto RGB");
   const auto size = static_cast<std::uint32_t>(icc.size());
   EXPECT_EQ(foreign_color_profile("II*" + std::string(1, '\0') + little_endian(8) + little_endian(1, 2) +
                                   little_endian(34675, 2) + little_endian(7, 2) + little_endian(size) +
