@@ -15,8 +15,8 @@ class StreamBudget {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Some four percent of a core: a full update of 8 MB of a 1080p image four times a second for one viewer, or
-  // its coarser levels for 200.
+  // A full update of 8 MB of a 1080p image four times a second for one viewer, or its coarser levels for 200
+  // (docs/scaling.md has what that costs).
   static constexpr double kBytesPerSecond = 32 << 20;
   // What a new viewer is sent of its first image without delay, also while that grows: more than a 1080p
   // image.
