@@ -13,6 +13,7 @@
 
 #include "core/math/lanes.hpp"
 #include "core/math/polynomial.hpp"
+#include "core/math/simd_double.hpp"
 #include "core/math/word_lanes.hpp"
 
 namespace tessera::core {
@@ -72,5 +73,9 @@ float cos(float x);
 double exp(double x);                      // 0 below -708, infinity above 709
 double log(double x);                      // x > 0
 double pow(double base, double exponent);  // base >= 0; pow(0, positive) is 0, pow(x, 0) is 1
+// Each lane has the bits of the functions above.
+DoubleN exp(DoubleN x);
+DoubleN log(DoubleN x);
+DoubleN pow(DoubleN base, DoubleN exponent);
 
 }  // namespace tessera::core

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eight lanes as an array, to set or read individually.
+// The lanes of a vector as an array, to set or read individually.
 #pragma once
 
 #include <array>
@@ -11,15 +11,13 @@
 
 namespace tessera::core {
 
-inline constexpr std::size_t kLaneCount = 8;
-
 class FloatLanes {
  public:
   FloatLanes() = default;
-  explicit FloatLanes(Float8 a) { a.store(values_); }
+  explicit FloatLanes(FloatN a) { a.store(values_); }
   float operator[](std::size_t lane) const { return values_[lane]; }
   void set(std::size_t lane, float value) { values_[lane] = value; }
-  Float8 all() const { return Float8::load(values_); }
+  FloatN all() const { return FloatN::load(values_); }
 
  private:
   alignas(32) float values_[kLaneCount];
@@ -28,10 +26,10 @@ class FloatLanes {
 class WordLanes {
  public:
   WordLanes() = default;
-  explicit WordLanes(U32x8 a) { a.store(values_); }
+  explicit WordLanes(U32xN a) { a.store(values_); }
   std::uint32_t operator[](std::size_t lane) const { return values_[lane]; }
   void set(std::size_t lane, std::uint32_t value) { values_[lane] = value; }
-  U32x8 all() const { return U32x8::load(values_); }
+  U32xN all() const { return U32xN::load(values_); }
 
  private:
   alignas(32) std::uint32_t values_[kLaneCount];
@@ -39,7 +37,7 @@ class WordLanes {
 
 // f of the numbers in each lane, for functions that have no vector form.
 template <typename F, typename... Floats>
-Float8 in_each_lane(const F& f, Float8 first, Floats... others) {
+FloatN in_each_lane(const F& f, FloatN first, Floats... others) {
   FloatLanes results;
   [&](const FloatLanes& a, const auto&... more) {
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) results.set(lane, f(a[lane], more[lane]...));
@@ -54,10 +52,10 @@ float in_each_lane(const F& f, float first, Floats... others) {
 class Vec3Lanes {
  public:
   Vec3Lanes() = default;
-  explicit Vec3Lanes(Vec3Of<Float8> a) : x_(a.x), y_(a.y), z_(a.z) {}
+  explicit Vec3Lanes(Vec3Of<FloatN> a) : x_(a.x), y_(a.y), z_(a.z) {}
   Vec3 operator[](std::size_t lane) const { return {x_[lane], y_[lane], z_[lane]}; }
   void set(std::size_t lane, Vec3 v) { x_.set(lane, v.x), y_.set(lane, v.y), z_.set(lane, v.z); }
-  Vec3Of<Float8> all() const { return {x_.all(), y_.all(), z_.all()}; }
+  Vec3Of<FloatN> all() const { return {x_.all(), y_.all(), z_.all()}; }
 
  private:
   FloatLanes x_, y_, z_;
@@ -66,10 +64,10 @@ class Vec3Lanes {
 class RgbLanes {
  public:
   RgbLanes() = default;
-  explicit RgbLanes(RgbOf<Float8> a) : r_(a.r), g_(a.g), b_(a.b) {}
+  explicit RgbLanes(RgbOf<FloatN> a) : r_(a.r), g_(a.g), b_(a.b) {}
   Rgb operator[](std::size_t lane) const { return {r_[lane], g_[lane], b_[lane]}; }
   void set(std::size_t lane, Rgb c) { r_.set(lane, c.r), g_.set(lane, c.g), b_.set(lane, c.b); }
-  RgbOf<Float8> all() const { return {r_.all(), g_.all(), b_.all()}; }
+  RgbOf<FloatN> all() const { return {r_.all(), g_.all(), b_.all()}; }
 
  private:
   FloatLanes r_, g_, b_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Types and functions for formulae that are written once for scalars and vectors (core/math/simd.hpp):
-// associated types and branch-free selection. T is float, Float8 or Float16.
+// associated types and branch-free selection. T is float, FloatN or FloatVector.
 #pragma once
 
 #include <bit>
@@ -86,6 +86,24 @@ constexpr double widened(float x) {
 }
 constexpr float to_float(double x) {
   return static_cast<float>(x);
+}
+
+// 2^k for integers k from -1022 to 1023, from a sum that has k + 1023 in its lowest bits.
+inline constexpr double kExponentMagic = 0x1p52 + 1023;
+constexpr double power_of_two(double k) {
+  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(k + kExponentMagic) << 52);
+}
+// A positive number that is not subnormal is 2^exponent_near_one(x) mantissa_near_one(x), with a mantissa in
+// [sqrt(1/2), sqrt(2)).
+inline constexpr double kSqrtHalf = 0.70710678118654752440;
+constexpr std::uint64_t bits_above_sqrt_half(double x) {
+  return std::bit_cast<std::uint64_t>(x) - std::bit_cast<std::uint64_t>(kSqrtHalf);
+}
+constexpr double exponent_near_one(double x) {
+  return static_cast<double>(static_cast<std::int64_t>(bits_above_sqrt_half(x)) >> 52);
+}
+constexpr double mantissa_near_one(double x) {
+  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) - (bits_above_sqrt_half(x) >> 52 << 52));
 }
 
 }  // namespace tessera::core

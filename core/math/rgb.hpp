@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Linear radiometric colour with the primaries of Rec. 709: radiance, reflectance or throughput.
-// RgbOf<Float8> is eight of them (core/math/simd.hpp).
+// RgbOf<FloatN> is a vector of them (core/math/simd.hpp).
 #pragma once
 
 #include <cmath>
@@ -48,13 +48,15 @@ RgbOf<T> select(MaskOf<T> mask, RgbOf<T> a, RgbOf<T> b) {
 }
 
 // The weight by which lights are chosen: noise from a blue lamp is as large as from a green one.
-inline float mean(Rgb c) {
+template <typename T = float>
+T mean(RgbOf<T> c) {
   constexpr float kThird = 1.0f / 3;
   return c.r * kThird + c.g * kThird + c.b * kThird;
 }
 
 // Relative luminance (ITU-R BT.709-6, item 3.2).
-inline float luminance(Rgb c) {
+template <typename T = float>
+T luminance(RgbOf<T> c) {
   return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b;
 }
 

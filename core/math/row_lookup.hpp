@@ -30,14 +30,14 @@ std::array<float, kCount> look_up_row(const float* table, std::uint32_t index) {
 }
 // The numbers at row_at(lane), for each lane.
 template <std::size_t kCount, typename RowAt>
-std::array<Float8, kCount> load_rows(const RowAt& row_at) {
+std::array<FloatN, kCount> load_rows(const RowAt& row_at) {
   const auto pair = [&](std::size_t lane) {  // the rows of lanes `lane` and `lane` + 4
     return _mm256_set_m128(load_row<kCount>(row_at(lane + 4)), load_row<kCount>(row_at(lane)));
   };
   const __m256 a = pair(0), b = pair(1), c = pair(2), d = pair(3);
   const __m256 ab_low = _mm256_unpacklo_ps(a, b), cd_low = _mm256_unpacklo_ps(c, d);
   const __m256 ab_high = _mm256_unpackhi_ps(a, b), cd_high = _mm256_unpackhi_ps(c, d);
-  std::array<Float8, kCount> columns;
+  std::array<FloatN, kCount> columns;
   columns[0] = _mm256_shuffle_ps(ab_low, cd_low, 0x44);
   columns[1] = _mm256_shuffle_ps(ab_low, cd_low, 0xee);
   if constexpr (kCount > 2) columns[2] = _mm256_shuffle_ps(ab_high, cd_high, 0x44);
@@ -45,14 +45,14 @@ std::array<Float8, kCount> load_rows(const RowAt& row_at) {
   return columns;
 }
 template <std::size_t kCount>
-std::array<Float8, kCount> look_up_row(const float* table, U32x8 index) {
+std::array<FloatN, kCount> look_up_row(const float* table, U32xN index) {
   const WordLanes of_lane(index);
   return load_rows<kCount>([&](std::size_t lane) { return table + of_lane[lane]; });
 }
 template <std::size_t kCount>
-std::array<U32x8, kCount> look_up_row(const std::uint32_t* table, U32x8 index) {
+std::array<U32xN, kCount> look_up_row(const std::uint32_t* table, U32xN index) {
   const auto columns = look_up_row<kCount>(reinterpret_cast<const float*>(table), index);
-  std::array<U32x8, kCount> words;
+  std::array<U32xN, kCount> words;
   for (std::size_t i = 0; i < kCount; ++i) words[i] = as_bits(columns[i]);
   return words;
 }
@@ -72,8 +72,8 @@ inline std::uint32_t count_up_to(std::int16_t key, const SixteenShorts& numbers)
 }
 
 // Unpacks two-bit numbers, the first in the lowest bits: lane i gets number i in its lowest bits.
-inline U32x8 unpack_pairs_of_bits(std::uint32_t packed) {
-  return _mm256_srlv_epi32(U32x8(packed).v, _mm256_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14));
+inline U32xN unpack_pairs_of_bits(std::uint32_t packed) {
+  return _mm256_srlv_epi32(U32xN(packed).v, _mm256_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14));
 }
 
 // A point from which each lane reads one coordinate.
@@ -81,10 +81,10 @@ class CoordinateLanes {
  public:
   explicit CoordinateLanes(Vec3 p) : twice_(_mm256_setr_ps(p.x, p.y, p.z, 0, p.x, p.y, p.z, 0)) {}
   // The two lowest bits of each lane select the axis.
-  Float8 along(U32x8 axis) const { return _mm256_permutevar_ps(twice_.v, axis.v); }
+  FloatN along(U32xN axis) const { return _mm256_permutevar_ps(twice_.v, axis.v); }
 
  private:
-  Float8 twice_;
+  FloatN twice_;
 };
 
 }  // namespace tessera::core

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bilinear interpolation in tables of numbers. T is float for one point, or Float8 for one in each lane.
+// Bilinear interpolation in tables of numbers. T is float for one point, or FloatN for one in each lane.
 #pragma once
 
 #include <cstdint>

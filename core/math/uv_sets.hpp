@@ -8,7 +8,7 @@ namespace tessera::core {
 
 enum class UvSet { kFirst, kSecond };
 
-// The texture coordinates of a surface point, by all sets. T is float or Float8.
+// The texture coordinates of a surface point, by all sets. T is float or FloatN.
 template <typename T>
 struct UvSetsOf {
   UvSetsOf() = default;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Three floats: a point, a direction or a normal; the variable's name says which, and in which space.
-// Vec3Of<Float8> (core/math/simd.hpp) holds eight.
+// Vec3Of<FloatN> (core/math/simd.hpp) holds a vector of them.
 #pragma once
 
 #include <cmath>

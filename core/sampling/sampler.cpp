@@ -28,23 +28,23 @@ std::array<float, 4> Sampler::pad(std::uint32_t pad) const {
 
 namespace {
 
-std::array<Float8, 4> unit_floats(const std::array<U32x8, 4>& bits) {
+std::array<FloatN, 4> unit_floats(const std::array<U32xN, 4>& bits) {
   return {unit_float(bits[0]), unit_float(bits[1]), unit_float(bits[2]), unit_float(bits[3])};
 }
 
 }  // namespace
 
-std::array<Float8, 4> Sampler::pads(const std::array<const Sampler*, 8>& samplers, std::uint32_t pad) {
+std::array<FloatN, 4> Sampler::pads(const std::array<const Sampler*, 8>& samplers, std::uint32_t pad) {
   std::array<std::uint64_t, 8> keys;
   std::array<std::uint32_t, 8> samples;
   for (std::size_t lane = 0; lane < 8; ++lane) {
     keys[lane] = samplers[lane]->pixel_key_;
     samples[lane] = samplers[lane]->sample_;
   }
-  return unit_floats(scrambled_point(hash(U64x8::of(keys), pad), U32x8::load(samples.data())));
+  return unit_floats(scrambled_point(hash(U64xN::of(keys), pad), U32xN::load(samples.data())));
 }
 
-std::array<Float8, 4> Sampler::pads(const std::array<const Sampler*, 8>& samplers,
+std::array<FloatN, 4> Sampler::pads(const std::array<const Sampler*, 8>& samplers,
                                     const std::array<std::uint32_t, 8>& pads) {
   std::array<std::uint64_t, 8> keys;
   std::array<std::uint32_t, 8> samples;
@@ -52,7 +52,7 @@ std::array<Float8, 4> Sampler::pads(const std::array<const Sampler*, 8>& sampler
     keys[lane] = hash(samplers[lane]->pixel_key_, pads[lane]);
     samples[lane] = samplers[lane]->sample_;
   }
-  return unit_floats(scrambled_point(U64x8::of(keys), U32x8::load(samples.data())));
+  return unit_floats(scrambled_point(U64xN::of(keys), U32xN::load(samples.data())));
 }
 
 float Sampler::opacity_number(std::uint64_t ray, std::uint32_t crossing) const {

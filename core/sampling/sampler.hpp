@@ -43,10 +43,10 @@ class Sampler {
 
   // The four numbers of pad `pad`, each in [0, 1).
   std::array<float, 4> pad(std::uint32_t pad) const;
-  // pad() of eight samplers, one in each lane.
-  static std::array<Float8, 4> pads(const std::array<const Sampler*, 8>& samplers, std::uint32_t pad);
+  // pad() of samplers, one in each lane.
+  static std::array<FloatN, 4> pads(const std::array<const Sampler*, 8>& samplers, std::uint32_t pad);
   // As above, with a separate pad for each lane.
-  static std::array<Float8, 4> pads(const std::array<const Sampler*, 8>& samplers,
+  static std::array<FloatN, 4> pads(const std::array<const Sampler*, 8>& samplers,
                                     const std::array<std::uint32_t, 8>& pads);
 
   // A number in [0, 1) that decides whether a ray hits a surface or passes through it, after `crossing`

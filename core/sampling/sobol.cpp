@@ -64,7 +64,7 @@ constexpr ByteTable kByteTable = [] {
   return table;
 }();
 
-// Inlined, because eight points would otherwise pass through memory.
+// Inlined, because points in lanes would otherwise pass through memory.
 [[gnu::always_inline]] inline Point point_of(std::uint32_t index) {
   const Point low = add_modulo_two(kByteTable[0][index & 255], kByteTable[1][(index >> 8) & 255]);
   const Point high = add_modulo_two(kByteTable[2][(index >> 16) & 255], kByteTable[3][index >> 24]);
@@ -77,7 +77,7 @@ std::array<std::uint32_t, kSobolDimensions> sobol_reversed(std::uint32_t index) 
   return point_of(index);
 }
 
-std::array<U32x8, kSobolDimensions> sobol_reversed(U32x8 index) {
+std::array<U32xN, kSobolDimensions> sobol_reversed(U32xN index) {
   std::array<std::uint32_t, 8> indices;
   index.store(indices.data());
   std::array<Point, 8> points;

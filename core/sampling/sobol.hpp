@@ -15,7 +15,7 @@ inline constexpr int kSobolDimensions = 4;
 // Point `index` of the sequence with the bits of each coordinate reversed (lowest bit first), as
 // owen_scramble_reversed takes them. Points 0 to 2^k - 1 are stratified in all elementary intervals.
 std::array<std::uint32_t, kSobolDimensions> sobol_reversed(std::uint32_t index);
-std::array<U32x8, kSobolDimensions> sobol_reversed(U32x8 index);
+std::array<U32xN, kSobolDimensions> sobol_reversed(U32xN index);
 
 constexpr std::uint32_t reverse_bits(std::uint32_t v) {
   v = ((v >> 1) & 0x55555555u) | ((v & 0x55555555u) << 1);

@@ -204,10 +204,10 @@ Rgb TextureImage::bilinear(Vec2 uv, Wrap wrap_u, Wrap wrap_v) const {
   return mix(upper, lower, row.weight);
 }
 
-// Eight images stored as bytes; images stored as floats are replaced by a black texel.
-class TextureImage::Eight {
+// The images of all lanes, stored as bytes; images stored as floats are replaced by a black texel.
+class TextureImage::InLanes {
  public:
-  explicit Eight(const std::array<const TextureImage*, kLaneCount>& images) {
+  explicit InLanes(const std::array<const TextureImage*, kLaneCount>& images) {
     static const Tile kBlack{};
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       const TextureImage& image = *images[lane];
@@ -223,38 +223,38 @@ class TextureImage::Eight {
   }
 
   // Prefetches all texels first, so that their cache misses overlap.
-  RgbOf<Float8> bilinear(Vec2Of<Float8> uv, Mask8 repeat_u, Mask8 repeat_v) const {
+  RgbOf<FloatN> bilinear(Vec2Of<FloatN> uv, MaskN repeat_u, MaskN repeat_v) const {
     const auto column = footprint(uv.x, widths_.all(), repeat_u);
     const auto row = footprint(1 - uv.y, heights_.all(), repeat_v);
-    const U32x8 upper_left = fetch(column.first, row.first), upper_right = fetch(column.second, row.first);
-    const U32x8 lower_left = fetch(column.first, row.second), lower_right = fetch(column.second, row.second);
+    const U32xN upper_left = fetch(column.first, row.first), upper_right = fetch(column.second, row.first);
+    const U32xN lower_left = fetch(column.first, row.second), lower_right = fetch(column.second, row.second);
     const auto upper = mix(color(upper_left), color(upper_right), column.weight);
     const auto lower = mix(color(lower_left), color(lower_right), column.weight);
     return mix(upper, lower, row.weight);
   }
 
  private:
-  U32x8 fetch(U32x8 x, U32x8 y) const {
+  U32xN fetch(U32xN x, U32xN y) const {
     const WordLanes places(place_in_tiles(x, y, tiles_along_.all()));
     WordLanes fetched;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) fetched.set(lane, texels_[lane][places[lane]]);
     return fetched.all();
   }
-  RgbOf<Float8> color(U32x8 texel) const { return decode<Float8>(texel, values_.all(), units_.all()); }
+  RgbOf<FloatN> color(U32xN texel) const { return decode<FloatN>(texel, values_.all(), units_.all()); }
 
   FloatLanes widths_, heights_;
   WordLanes tiles_along_, values_, units_;
   std::array<const std::uint32_t*, kLaneCount> texels_;
 };
 
-RgbOf<Float8> TextureImage::bilinear(const std::array<const TextureImage*, kLaneCount>& images,
-                                     Vec2Of<Float8> uv, Mask8 repeat_u, Mask8 repeat_v) {
-  const RgbOf<Float8> of_bytes = Eight(images).bilinear(uv, repeat_u, repeat_v);
+RgbOf<FloatN> TextureImage::bilinear(const std::array<const TextureImage*, kLaneCount>& images,
+                                     Vec2Of<FloatN> uv, MaskN repeat_u, MaskN repeat_v) {
+  const RgbOf<FloatN> of_bytes = InLanes(images).bilinear(uv, repeat_u, repeat_v);
   const auto in_floats = [](const TextureImage* image) { return image->texels_.format == Format::kFloats; };
   if (std::none_of(images.begin(), images.end(), in_floats)) return of_bytes;
   RgbLanes all(of_bytes);
   const FloatLanes u(uv.x), v(uv.y);
-  const auto wrap = [](Mask8 repeat, std::size_t lane) {
+  const auto wrap = [](MaskN repeat, std::size_t lane) {
     return (repeat.bits() >> lane & 1) != 0 ? Wrap::kRepeat : Wrap::kClamp;
   };
   for (std::size_t lane = 0; lane < kLaneCount; ++lane)
@@ -309,16 +309,16 @@ class NearestLanes {
     widths_.set(lane, static_cast<float>(texture.image->width()));
     heights_.set(lane, static_cast<float>(texture.image->height()));
   }
-  Vec2Of<Float8> moved_to_centres(Vec2Of<Float8> at, Mask8 repeat_u, Mask8 repeat_v) const {
+  Vec2Of<FloatN> moved_to_centres(Vec2Of<FloatN> at, MaskN repeat_u, MaskN repeat_v) const {
     if (nearest_ == 0) return at;
-    const Mask8 lanes = Mask8::from_bits(nearest_);
+    const MaskN lanes = MaskN::from_bits(nearest_);
     return {select(lanes, centre_of_texel(at.x, widths_.all(), repeat_u), at.x),
             select(lanes, centre_of_texel(at.y, heights_.all(), repeat_v), at.y)};
   }
 
  private:
   unsigned nearest_ = 0;                                     // bit i for lane i
-  FloatLanes widths_{Float8(1.0f)}, heights_{Float8(1.0f)};  // of these lanes
+  FloatLanes widths_{FloatN(1.0f)}, heights_{FloatN(1.0f)};  // of these lanes
 };
 
 // The lanes whose textures wrap in each way.
@@ -327,24 +327,24 @@ struct WrapLanes {
     repeat |= (wrap == Wrap::kRepeat ? 1u : 0u) << lane;
     mirror |= (wrap == Wrap::kMirror ? 1u : 0u) << lane;
   }
-  Float8 mirrored_where_due(Float8 coordinate) const {
-    return mirror == 0 ? coordinate : select(Mask8::from_bits(mirror), mirrored(coordinate), coordinate);
+  FloatN mirrored_where_due(FloatN coordinate) const {
+    return mirror == 0 ? coordinate : select(MaskN::from_bits(mirror), mirrored(coordinate), coordinate);
   }
 
   unsigned repeat = 0, mirror = 0;  // bit i for lane i
 };
 
 // The second set where bit i is set for lane i, else the first.
-Vec2Of<Float8> in_lanes(unsigned by_second, const UvSetsOf<Float8>& uv) {
+Vec2Of<FloatN> in_lanes(unsigned by_second, const UvSetsOf<FloatN>& uv) {
   if (by_second == 0) return uv.first;
-  const Mask8 second = Mask8::from_bits(by_second);
+  const MaskN second = MaskN::from_bits(by_second);
   return {select(second, uv.second.x, uv.first.x), select(second, uv.second.y, uv.first.y)};
 }
 
 }  // namespace
 
-RgbOf<Float8> Texture::evaluate(const std::array<const Texture*, kLaneCount>& textures,
-                                const UvSetsOf<Float8>& uv_sets) {
+RgbOf<FloatN> Texture::evaluate(const std::array<const Texture*, kLaneCount>& textures,
+                                const UvSetsOf<FloatN>& uv_sets) {
   std::array<const TextureImage*, kLaneCount> images;
   FloatLanes scale_u, scale_v, offset_u, offset_v, shear_u, shear_v;
   WrapLanes wrap_u, wrap_v;
@@ -362,13 +362,13 @@ RgbOf<Float8> Texture::evaluate(const std::array<const Texture*, kLaneCount>& te
     wrap_u.set(lane, texture.wrap);
     wrap_v.set(lane, texture.wrap_v.value_or(texture.wrap));
   }
-  const Vec2Of<Float8> uv = in_lanes(by_second, uv_sets);
-  Vec2Of<Float8> at{uv.x * scale_u.all() + offset_u.all(), uv.y * scale_v.all() + offset_v.all()};
+  const Vec2Of<FloatN> uv = in_lanes(by_second, uv_sets);
+  Vec2Of<FloatN> at{uv.x * scale_u.all() + offset_u.all(), uv.y * scale_v.all() + offset_v.all()};
   if (sheared != 0) {
-    const Mask8 lanes = Mask8::from_bits(sheared);
+    const MaskN lanes = MaskN::from_bits(sheared);
     at = {select(lanes, at.x + uv.y * shear_u.all(), at.x), select(lanes, at.y + uv.x * shear_v.all(), at.y)};
   }
-  const Mask8 repeat_u = Mask8::from_bits(wrap_u.repeat), repeat_v = Mask8::from_bits(wrap_v.repeat);
+  const MaskN repeat_u = MaskN::from_bits(wrap_u.repeat), repeat_v = MaskN::from_bits(wrap_v.repeat);
   at = nearest.moved_to_centres({wrap_u.mirrored_where_due(at.x), wrap_v.mirrored_where_due(at.y)}, repeat_u,
                                 repeat_v);
   return TextureImage::bilinear(images, at, repeat_u, repeat_v);
@@ -376,7 +376,7 @@ RgbOf<Float8> Texture::evaluate(const std::array<const Texture*, kLaneCount>& te
 
 namespace {
 
-// The textures of eight parameters, if any has one. Lanes without a texture get another lane's.
+// The textures of the parameters in all lanes, if any has one. Lanes without a texture get another lane's.
 template <typename Parameter>
 struct TexturesOf {
   TexturesOf(const std::array<const Parameter*, kLaneCount>& parameters, const std::vector<Texture>& all) {
@@ -395,24 +395,24 @@ struct TexturesOf {
 
 }  // namespace
 
-RgbOf<Float8> evaluate(const std::array<const ColorParameter*, kLaneCount>& parameters,
-                       const std::vector<Texture>& textures, const UvSetsOf<Float8>& uv) {
+RgbOf<FloatN> evaluate(const std::array<const ColorParameter*, kLaneCount>& parameters,
+                       const std::vector<Texture>& textures, const UvSetsOf<FloatN>& uv) {
   RgbLanes constants;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) constants.set(lane, parameters[lane]->value);
-  const RgbOf<Float8> value = constants.all();
+  const RgbOf<FloatN> value = constants.all();
   const TexturesOf of(parameters, textures);
   if (of.textured == 0) return value;
-  return select(Mask8::from_bits(of.textured), value * Texture::evaluate(of.textures, uv), value);
+  return select(MaskN::from_bits(of.textured), value * Texture::evaluate(of.textures, uv), value);
 }
 
-Float8 evaluate(const std::array<const ScalarParameter*, kLaneCount>& parameters,
-                const std::vector<Texture>& textures, const UvSetsOf<Float8>& uv) {
+FloatN evaluate(const std::array<const ScalarParameter*, kLaneCount>& parameters,
+                const std::vector<Texture>& textures, const UvSetsOf<FloatN>& uv) {
   FloatLanes constants;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) constants.set(lane, parameters[lane]->value);
-  const Float8 value = constants.all();
+  const FloatN value = constants.all();
   const TexturesOf of(parameters, textures);
   if (of.textured == 0) return value;
-  return select(Mask8::from_bits(of.textured), value * Texture::evaluate(of.textures, uv).r, value);
+  return select(MaskN::from_bits(of.textured), value * Texture::evaluate(of.textures, uv).r, value);
 }
 
 }  // namespace tessera::core

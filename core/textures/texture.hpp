@@ -15,7 +15,7 @@
 
 #include "core/math/lane_array.hpp"
 #include "core/math/rgb.hpp"
-#include "core/math/simd_double8.hpp"
+#include "core/math/simd_double.hpp"
 #include "core/math/uv_sets.hpp"
 #include "core/math/vec3.hpp"
 
@@ -66,14 +66,14 @@ class TextureImage {
   Rgb texel(int x, int y) const;  // linear; 0 <= x < width, 0 <= y < height
   // Linear, between the nearest four texels. kMirror clamps: Texture::evaluate() has mirrored uv before.
   Rgb bilinear(Vec2 uv, Wrap wrap_u, Wrap wrap_v) const;
-  // Looks up eight images; each lane equals bilinear().
-  static RgbOf<Float8> bilinear(const std::array<const TextureImage*, kLaneCount>& images, Vec2Of<Float8> uv,
-                                Mask8 repeat_u, Mask8 repeat_v);
+  // Looks up an image in each lane; each lane equals bilinear().
+  static RgbOf<FloatN> bilinear(const std::array<const TextureImage*, kLaneCount>& images, Vec2Of<FloatN> uv,
+                                MaskN repeat_u, MaskN repeat_v);
   Rgb mean() const;     // of all texels, linear
   Rgb largest() const;  // for each channel, linear
 
  private:
-  class Eight;
+  class InLanes;
 
   Rgb fetch(std::uint32_t x, std::uint32_t y) const;
   // The table entries that decode the bytes of a texel.
@@ -111,9 +111,9 @@ struct Texture {
 
   Rgb evaluate(Vec2 uv) const;  // filtered, linear colour; at coordinates of its set
   Rgb evaluate(const UvSets& uv) const { return evaluate(uv[uv_set]); }
-  // Evaluates eight textures; each lane equals evaluate().
-  static RgbOf<Float8> evaluate(const std::array<const Texture*, kLaneCount>& textures,
-                                const UvSetsOf<Float8>& uv);
+  // Evaluates a texture in each lane; each lane equals evaluate().
+  static RgbOf<FloatN> evaluate(const std::array<const Texture*, kLaneCount>& textures,
+                                const UvSetsOf<FloatN>& uv);
 };
 
 // A constant, or a texture times a constant.
@@ -138,10 +138,10 @@ struct ScalarParameter {
   }
 };
 
-// Evaluates eight parameters; each lane equals evaluate().
-RgbOf<Float8> evaluate(const std::array<const ColorParameter*, kLaneCount>& parameters,
-                       const std::vector<Texture>& textures, const UvSetsOf<Float8>& uv);
-Float8 evaluate(const std::array<const ScalarParameter*, kLaneCount>& parameters,
-                const std::vector<Texture>& textures, const UvSetsOf<Float8>& uv);
+// Evaluates a parameter in each lane; each lane equals evaluate().
+RgbOf<FloatN> evaluate(const std::array<const ColorParameter*, kLaneCount>& parameters,
+                       const std::vector<Texture>& textures, const UvSetsOf<FloatN>& uv);
+FloatN evaluate(const std::array<const ScalarParameter*, kLaneCount>& parameters,
+                const std::vector<Texture>& textures, const UvSetsOf<FloatN>& uv);
 
 }  // namespace tessera::core

@@ -3,9 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <random>
+
+#include "core/math/bessel.hpp"
+#include "core/math/simd_double.hpp"
 
 namespace core = tessera::core;
 
@@ -72,4 +77,33 @@ TEST(Elementary, PowerIsAccurateAndKnowsItsEdges) {
   EXPECT_EQ(core::pow(0, 0), 1);
   EXPECT_EQ(core::pow(7, 0), 1);
   EXPECT_EQ(core::pow(0, -1), std::numeric_limits<double>::infinity());
+}
+
+// To the bit, over all that the functions distinguish.
+TEST(Elementary, LanesAreWhatEachIsAlone) {
+  std::mt19937_64 generator(2);
+  const auto in = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(generator);
+  };
+  for (int i = 0; i < 20000; ++i) {
+    alignas(64) std::array<double, 8> x, positive, base, exponent;
+    for (std::size_t lane = 0; lane < 8; ++lane) {
+      x[lane] = i % 2 == 0 ? in(-2, 2) : in(-750, 750);
+      positive[lane] = i % 2 == 0 ? in(0.4, 2.5) : std::ldexp(in(0.5, 1), static_cast<int>(in(-1070, 1020)));
+      base[lane] = generator() % 16 == 0 ? 0 : in(0, 3);
+      exponent[lane] = generator() % 16 == 0 ? 0 : in(-20, 200);
+    }
+    const auto all = [](const std::array<double, 8>& of) { return core::DoubleN::load(of.data()); };
+    alignas(64) std::array<double, 8> exponentials, logarithms, powers, bessels;
+    exp(all(x)).store(exponentials.data());
+    log(all(positive)).store(logarithms.data());
+    pow(all(base), all(exponent)).store(powers.data());
+    core::scaled_bessel_i0(all(base) * 3).store(bessels.data());
+    for (std::size_t lane = 0; lane < 8; ++lane) {
+      ASSERT_EQ(exponentials[lane], core::exp(x[lane])) << x[lane];
+      ASSERT_EQ(logarithms[lane], core::log(positive[lane])) << positive[lane];
+      ASSERT_EQ(powers[lane], core::pow(base[lane], exponent[lane])) << base[lane] << ' ' << exponent[lane];
+      ASSERT_EQ(bessels[lane], core::scaled_bessel_i0(base[lane] * 3)) << base[lane];
+    }
+  }
 }
