@@ -84,22 +84,24 @@ std::size_t ours_any(const Primitives& primitives, const Bvh& bvh, const std::ve
 constexpr std::size_t kBatch = 1024;
 
 std::size_t ours_closest_batched(const Primitives& primitives, const Bvh& bvh, const std::vector<Ray>& rays) {
-  std::array<Hit, kBatch> answers;
+  const Columns<Ray> columns{std::span(rays)};
+  Columns<Hit> answers(kBatch);
   std::size_t hits = 0;
   for (std::size_t i = 0; i < rays.size(); i += kBatch) {
     const std::size_t count = std::min(kBatch, rays.size() - i);
-    bvh.closest_hits(primitives, {rays.data() + i, count}, {answers.data(), count});
+    bvh.closest_hits(primitives, columns.all().rows(i, count), answers.all().rows(0, count));
     for (std::size_t k = 0; k < count; ++k) hits += answers[k].found();
   }
   return hits;
 }
 
 std::size_t ours_any_batched(const Primitives& primitives, const Bvh& bvh, const std::vector<Ray>& rays) {
+  const Columns<Ray> columns{std::span(rays)};
   std::array<std::uint8_t, kBatch> answers;
   std::size_t hits = 0;
   for (std::size_t i = 0; i < rays.size(); i += kBatch) {
     const std::size_t count = std::min(kBatch, rays.size() - i);
-    bvh.any_hits(primitives, {rays.data() + i, count}, {answers.data(), count});
+    bvh.any_hits(primitives, columns.all().rows(i, count), {answers.data(), count});
     for (std::size_t k = 0; k < count; ++k) hits += answers[k];
   }
   return hits;

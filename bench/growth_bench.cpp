@@ -40,16 +40,16 @@ const Fixture& fixture(int rows) {
 // The batch size of a renderer with this many active paths.
 constexpr std::size_t kBatch = 1024;
 
-template <typename Answer, typename Query>
-void trace(benchmark::State& state, std::vector<Ray> RaySets::*kind, std::size_t batch, const Query& query) {
+// Calls query(fixture, rays, answers) for a batch after the other.
+template <typename Answers, typename Query>
+void trace(benchmark::State& state, std::vector<Ray> RaySets::*kind, std::size_t batch, Answers answers,
+           const Query& query) {
   const Fixture& f = fixture(static_cast<int>(state.range(0)));
-  const std::span<const Ray> rays(f.rays.*kind);
-  std::vector<Answer> answers(kBatch);
+  const Columns<Ray> rays{std::span<const Ray>(f.rays.*kind)};
   for (auto _ : state) {
     for (std::size_t i = 0; i < rays.size(); i += batch) {
       const std::size_t count = std::min(batch, rays.size() - i);
-      query(f, rays.subspan(i, count), std::span(answers).first(count));
-      benchmark::DoNotOptimize(answers.data());
+      query(f, rays.all().rows(i, count), answers);
     }
   }
   state.counters["triangles"] = static_cast<double>(f.primitives.count());
@@ -59,13 +59,14 @@ void trace(benchmark::State& state, std::vector<Ray> RaySets::*kind, std::size_t
 }
 
 void closest_in_batches(benchmark::State& state, std::vector<Ray> RaySets::*kind) {
-  trace<Hit>(state, kind, kBatch, [](const Fixture& f, std::span<const Ray> rays, std::span<Hit> hits) {
-    f.bvh.closest_hits(f.primitives, rays, hits);
-  });
+  trace(state, kind, kBatch, Columns<Hit>(kBatch),
+        [](const Fixture& f, ColumnsView<const Ray> rays, Columns<Hit>& hits) {
+          f.bvh.closest_hits(f.primitives, rays, hits.all().rows(0, rays.size()));
+        });
 }
 void closest_one_by_one(benchmark::State& state, std::vector<Ray> RaySets::*kind) {
-  trace<Hit>(state, kind, 1, [](const Fixture& f, std::span<const Ray> ray, std::span<Hit> hit) {
-    hit[0] = f.bvh.closest_hit(f.primitives, ray[0]);
+  trace(state, kind, 1, Hit(), [](const Fixture& f, ColumnsView<const Ray> ray, Hit& hit) {
+    benchmark::DoNotOptimize(hit = f.bvh.closest_hit(f.primitives, ray[0]));
   });
 }
 
@@ -76,10 +77,11 @@ void growth_bounce_batched(benchmark::State& state) {
   closest_in_batches(state, &RaySets::bounce);
 }
 void growth_shadow_batched(benchmark::State& state) {
-  trace<std::uint8_t>(state, &RaySets::shadow, kBatch,
-                      [](const Fixture& f, std::span<const Ray> rays, std::span<std::uint8_t> occluded) {
-                        f.bvh.any_hits(f.primitives, rays, occluded);
-                      });
+  trace(state, &RaySets::shadow, kBatch, std::vector<std::uint8_t>(kBatch),
+        [](const Fixture& f, ColumnsView<const Ray> rays, std::vector<std::uint8_t>& occluded) {
+          f.bvh.any_hits(f.primitives, rays, std::span(occluded).first(rays.size()));
+          benchmark::DoNotOptimize(occluded.data());
+        });
 }
 void growth_primary_single(benchmark::State& state) {
   closest_one_by_one(state, &RaySets::primary);
@@ -88,10 +90,9 @@ void growth_bounce_single(benchmark::State& state) {
   closest_one_by_one(state, &RaySets::bounce);
 }
 void growth_shadow_single(benchmark::State& state) {
-  trace<std::uint8_t>(state, &RaySets::shadow, 1,
-                      [](const Fixture& f, std::span<const Ray> ray, std::span<std::uint8_t> occluded) {
-                        occluded[0] = f.bvh.any_hit(f.primitives, ray[0]);
-                      });
+  trace(state, &RaySets::shadow, 1, false, [](const Fixture& f, ColumnsView<const Ray> ray, bool& occluded) {
+    benchmark::DoNotOptimize(occluded = f.bvh.any_hit(f.primitives, ray[0]));
+  });
 }
 
 // From a hundred triangles to ten million.

@@ -91,22 +91,24 @@ std::size_t any_one_by_one(const Level& level, const std::vector<Ray>& rays) {
 }
 
 std::size_t closest_in_batches(const Level& level, const std::vector<Ray>& rays) {
-  std::array<Hit, kBatch> answers;
+  const Columns<Ray> columns{std::span(rays)};
+  Columns<Hit> answers(kBatch);
   std::size_t hits = 0;
   for (std::size_t i = 0; i < rays.size(); i += kBatch) {
     const std::size_t count = std::min(kBatch, rays.size() - i);
-    level.bvh.closest_hits(level.primitives, {rays.data() + i, count}, {answers.data(), count});
+    level.bvh.closest_hits(level.primitives, columns.all().rows(i, count), answers.all().rows(0, count));
     for (std::size_t k = 0; k < count; ++k) hits += answers[k].found();
   }
   return hits;
 }
 
 std::size_t any_in_batches(const Level& level, const std::vector<Ray>& rays) {
+  const Columns<Ray> columns{std::span(rays)};
   std::array<std::uint8_t, kBatch> answers;
   std::size_t hits = 0;
   for (std::size_t i = 0; i < rays.size(); i += kBatch) {
     const std::size_t count = std::min(kBatch, rays.size() - i);
-    level.bvh.any_hits(level.primitives, {rays.data() + i, count}, {answers.data(), count});
+    level.bvh.any_hits(level.primitives, columns.all().rows(i, count), {answers.data(), count});
     for (std::size_t k = 0; k < count; ++k) hits += answers[k];
   }
   return hits;

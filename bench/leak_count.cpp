@@ -20,8 +20,8 @@ std::uint64_t count_leaks(std::uint64_t count) {
   const Primitives primitives = mesh.primitives();
   const Bvh bvh = Bvh::build(primitives, 1);
   constexpr std::size_t kBatch = 4096;
-  std::vector<Ray> rays(kBatch);
-  std::vector<Hit> hits(kBatch);
+  Columns<Ray> rays(kBatch);
+  Columns<Hit> hits(kBatch);
   std::uint64_t leaks = 0;
   for (std::uint64_t done = 0; done < count; done += kBatch) {
     for (std::size_t i = 0; i < kBatch; ++i) {
@@ -31,10 +31,10 @@ std::uint64_t count_leaks(std::uint64_t count) {
       const Vec3 a = mesh.positions[triangle[corner % 3]];
       const Vec3 b = mesh.positions[triangle[corner < 3 ? corner % 3 : (corner + 1) % 3]];
       const Vec3 origin = Vec3{1, 2, 3} + Vec3{u[0] - 0.5f, u[1] - 0.5f, u[2] - 0.5f};
-      rays[i] = {origin, 0.5f * a + 0.5f * b - origin};
+      rays.set(i, {origin, 0.5f * a + 0.5f * b - origin});
     }
-    bvh.closest_hits(primitives, rays, hits);
-    for (const Hit& hit : hits) leaks += !hit.found();
+    bvh.closest_hits(primitives, rays.all(), hits.all());
+    for (std::size_t i = 0; i < kBatch; ++i) leaks += !hits[i].found();
   }
   return leaks;
 }

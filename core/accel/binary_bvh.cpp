@@ -5,11 +5,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/accel/partition.hpp"
-#include "core/base/parallel_errors.hpp"
+#include "core/base/top_down.hpp"
 
 namespace tessera::core {
 namespace {
@@ -54,6 +55,7 @@ struct Range {
   std::size_t begin, end;
   Aabb box, half_centroids;
   int depth;
+  std::uint32_t node = 0;  // where it is stored
 
   Range(std::size_t begin_item, std::size_t end_item, const RangeBounds& bounds, int at_depth)
       : begin(begin_item),
@@ -68,24 +70,28 @@ struct Range {
 class Builder {
  public:
   Builder(const Primitives& primitives, int threads)
-      : primitives_(primitives), threads_(threads), pairs_(threads), items_(primitives.count()) {
+      : primitives_(primitives),
+        only_triangles_(has_only_triangles(primitives)),
+        threads_(threads),
+        pairs_(threads),
+        items_(primitives.count()) {
     const Range all = make_items(primitives);
     items_.truncate(all.end);
     if (items_.empty()) return;
     tree_.nodes = HugePageArray<BinaryBvh::Node>(NodePairs::capacity(items_.size(), threads));
-#pragma omp parallel num_threads(threads_)
-#pragma omp single
-    errors_.run([&] { build_subtree(0, all); });
-    errors_.rethrow();
+    build_top_down(all, kTaskSize, threads_, [this](const Range& range) { return divide(range); });
     tree_.nodes.truncate(pairs_.used());
     collect_order();
   }
 
-  BinaryBvh take_tree() {
-    return std::move(tree_);
-  }
+  BinaryBvh take_tree() { return std::move(tree_); }
 
  private:
+  // Ids are ordered by kind, with moving triangles behind others.
+  static bool has_only_triangles(const Primitives& primitives) {
+    return primitives.count() > 0 && primitives.kind(primitives.count() - 1) == GeometryKind::kTriangle;
+  }
+
   // Fills items_ in parallel pieces and closes the gaps left by primitives that cannot be hit.
   Range make_items(const Primitives& primitives) {
     const std::size_t pieces = piece_count(items_.size());
@@ -114,37 +120,41 @@ class Builder {
     return {0, count, all, 0};
   }
 
-  // Builds the subtree. Parts of it may still be pending as tasks when this returns.
-  void build_subtree(std::uint32_t index, const Range& range) {
+  // Stores the range's node and returns its parts; none of a leaf.
+  std::optional<std::pair<Range, Range>> divide(const Range& range) {
+    BinaryBvh::Node& node = tree_.nodes[range.node];
     if (is_leaf(range)) {
-      tree_.nodes[index] = {range.box.lower, static_cast<std::uint32_t>(range.begin), range.box.upper,
-                            static_cast<std::uint32_t>(range.size())};
-      return;
+      node = {range.box.lower, static_cast<std::uint32_t>(range.begin), range.box.upper,
+              static_cast<std::uint32_t>(range.size())};
+      return std::nullopt;
     }
     const std::uint32_t children = pairs_.take();
-    tree_.nodes[index] = {range.box.lower, children, range.box.upper, 0};
-    const auto parts = cut(range);
-    const Range &left = parts.first, &right = parts.second;
-    if (range.size() > kTaskSize) {
-#pragma omp task default(none) firstprivate(children, left)
-      errors_.run([&] { build_subtree(children, left); });
-    } else {
-      build_subtree(children, left);
-    }
-    build_subtree(children + 1, right);
+    node = {range.box.lower, children, range.box.upper, 0};
+    std::optional parts = cut(range);
+    parts->first.node = children;
+    parts->second.node = children + 1;
+    return parts;
   }
 
-  // Entering an instance costs more than a box test, so each instance gets its own leaf.
+  // A leaf holds primitives of one kind, and a single instance, since entering one costs more than a box
+  // test.
   bool is_leaf(const Range& range) const {
     if (range.size() > kMaxLeafSize) return false;
-    if (range.size() == 1 || primitives_.instance_count() == 0) return true;
-    for (std::size_t i = range.begin; i < range.end; ++i)
-      if (primitives_.is_instance(items_[i].primitive())) return false;
-    return true;
+    if (range.size() == 1 || only_triangles_) return true;
+    return kind_of(range.begin) != GeometryKind::kInstance && !has_several_kinds(range);
+  }
+  bool has_several_kinds(const Range& range) const {
+    for (std::size_t i = range.begin + 1; i < range.end; ++i)
+      if (kind_of(i) != kind_of(range.begin)) return true;
+    return false;
+  }
+  GeometryKind kind_of(std::size_t item) const {
+    return primitives_.kind(items_[item].primitive());
   }
 
   // Partitions the range in place; neither part is empty.
   std::pair<Range, Range> cut(const Range& range) {
+    if (range.size() <= kMaxLeafSize && has_several_kinds(range)) return apart_by_kind(range);
     if (range.depth >= kMaxSahDepth) return halves(range);
     const auto items = items_.range(range.begin, range.end);
     const Binning binning(range.half_centroids);
@@ -160,7 +170,20 @@ class Builder {
   }
 
   std::pair<Range, Range> halves(const Range& range) {
-    const std::size_t middle = range.begin + range.size() / 2;
+    return cut_at(range.begin + range.size() / 2, range);
+  }
+
+  // Makes as few leaves as possible of primitives that but for their kinds would be one.
+  std::pair<Range, Range> apart_by_kind(const Range& range) {
+    const GeometryKind kind = kind_of(range.begin);
+    const auto items = items_.range(range.begin, range.end);
+    auto others = items.begin();  // not std::stable_partition, whose buffer is not aligned as BuildItem is
+    for (auto item = items.begin(); item != items.end(); ++item)
+      if (primitives_.kind(item->primitive()) == kind) std::rotate(others++, item, item + 1);
+    return cut_at(range.begin + static_cast<std::size_t>(others - items.begin()), range);
+  }
+
+  std::pair<Range, Range> cut_at(std::size_t middle, const Range& range) {
     return {{range.begin, middle, bounds_of(items_.range(range.begin, middle)), range.depth + 1},
             {middle, range.end, bounds_of(items_.range(middle, range.end)), range.depth + 1}};
   }
@@ -186,11 +209,11 @@ class Builder {
   }
 
   const Primitives& primitives_;
+  const bool only_triangles_;  // none of which moves
   int threads_;
   NodePairs pairs_;
   HugePageArray<BuildItem> items_;
   BinaryBvh tree_;
-  ParallelErrors errors_;  // thrown in tasks
 };
 
 }  // namespace

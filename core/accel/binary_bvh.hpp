@@ -6,6 +6,7 @@
 
 #include <cstdint>
 
+#include "core/accel/bvh_layout.hpp"
 #include "core/accel/huge_pages.hpp"
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/primitives.hpp"
@@ -34,8 +35,7 @@ struct BinaryBvh {
 inline constexpr std::uint32_t kMaxLeafSize = 4;
 
 // The surface area heuristic applies down to this depth; below, ranges are halved.
-inline constexpr int kMaxSahDepth = 40;
-inline constexpr int kMaxBinaryDepth = kMaxSahDepth + 32;
+inline constexpr int kMaxSahDepth = kMaxTreeDepth - 32;
 
 // Leaves out primitives that cannot be hit (those whose Primitives::bounds are empty).
 BinaryBvh build_binary_bvh(const Primitives& primitives, int threads);

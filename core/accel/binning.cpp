@@ -16,7 +16,7 @@ float scale_of(const Aabb& bounds) {
 }
 
 // Half areas of the scaled boxes: of a[i] in lane i of the lower half, of b[i] in lane i of the upper half.
-Float8 half_areas(const std::array<BuildBox, 3>& a, const std::array<BuildBox, 3>& b, Float8 scale) {
+FloatN half_areas(const std::array<BuildBox, 3>& a, const std::array<BuildBox, 3>& b, FloatN scale) {
   const auto extents = [&](std::size_t i) {
     return lower_halves(a[i].v, b[i].v) * scale + upper_halves(a[i].v, b[i].v) * scale;
   };
@@ -25,9 +25,9 @@ Float8 half_areas(const std::array<BuildBox, 3>& a, const std::array<BuildBox, 3
 }
 
 // The number of packets that these many primitives take.
-Float8 packets(U32x8 counts) {
+FloatN packets(U32xN counts) {
   static_assert(kMaxLeafSize == 4);
-  return to_float((counts + U32x8(kMaxLeafSize - 1)) >> 2);
+  return to_float((counts + U32xN(kMaxLeafSize - 1)) >> 2);
 }
 
 float bins_per_length(double extent) {
@@ -76,10 +76,10 @@ void Bins::add(const Bins& other) {
 Split Bins::best_split(const Aabb& bounds) const {
   // Sweeps from both ends at once, with one axis in each lane. The lower half of costs[i] holds the cost of
   // the part before border i, the upper half that of the part behind border kBins - i.
-  std::array<Float8, kBins> costs;
+  std::array<FloatN, kBins> costs;
   std::array<BuildBox, 3> first, last;
-  U32x8 counts(0);
-  const Float8 scale(scale_of(bounds));
+  U32xN counts(0);
+  const FloatN scale(scale_of(bounds));
   for (std::size_t i = 1; i < kBins; ++i) {
     const Row &next_first = rows_[i - 1], &next_last = rows_[kBins - i];
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -90,11 +90,11 @@ Split Bins::best_split(const Aabb& bounds) const {
     costs[i] = half_areas(first, last, scale) * packets(counts);
   }
   // The lower half belongs to border i, the upper half to border kBins - i.
-  Float8 least(std::numeric_limits<float>::infinity());
-  U32x8 least_at(0);
+  FloatN least(std::numeric_limits<float>::infinity());
+  U32xN least_at(0);
   for (std::size_t i = 1; i <= kBins / 2; ++i) {
-    const Float8 cost = costs[i] + with_halves_swapped(costs[kBins - i]);
-    least_at = select(cost < least, U32x8(static_cast<std::uint32_t>(i)), least_at);
+    const FloatN cost = costs[i] + with_halves_swapped(costs[kBins - i]);
+    least_at = select(cost < least, U32xN(static_cast<std::uint32_t>(i)), least_at);
     least = min(cost, least);
   }
 

@@ -21,13 +21,13 @@ class Binning {
 
   // The bins of two items: of `a` in the first three lanes of the lower half, of `b` in those of the upper
   // half.
-  U32x8 bins(BuildBox a, BuildBox b) const {
-    const Float8 half_centroids = upper_halves(a.half_centroid().v, b.half_centroid().v);
-    return min(truncated((half_centroids - origin_) * bins_per_length_), U32x8(kBins - 1));
+  U32xN bins(BuildBox a, BuildBox b) const {
+    const FloatN half_centroids = upper_halves(a.half_centroid().v, b.half_centroid().v);
+    return min(truncated((half_centroids - origin_) * bins_per_length_), U32xN(kBins - 1));
   }
 
  private:
-  Float8 origin_, bins_per_length_;  // equal in both halves
+  FloatN origin_, bins_per_length_;  // equal in both halves
 };
 
 struct Split {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boxes as the tree builder handles them: eight floats with the lower corner negated, so that one maximum
-// unites two boxes.
+// Boxes as the tree builder handles them: a vector of floats with the lower corner negated, so that one
+// maximum unites two boxes.
 #pragma once
 
 #include <bit>
@@ -15,13 +15,13 @@ namespace tessera::core {
 // The lanes are -x, -y, -z of the lower corner, an unused lane, x, y, z of the upper corner, an unused
 // lane. A default-constructed box is empty.
 struct BuildBox {
-  Float8 v = Float8::broadcast(-std::numeric_limits<float>::infinity());
+  FloatN v = FloatN::broadcast(-std::numeric_limits<float>::infinity());
 
   void include(BuildBox other) { v = max(v, other.v); }
   // Half of the centre, as a box: a quarter of the sum of both corners, which cannot overflow. The box must
   // not be empty.
   BuildBox half_centroid() const {
-    const Float8 quarter = v * Float8::broadcast(0.25f);
+    const FloatN quarter = v * FloatN::broadcast(0.25f);
     return {quarter - with_halves_swapped(quarter)};
   }
   Aabb box() const {
@@ -41,7 +41,7 @@ struct alignas(32) BuildItem {
 
   std::uint32_t primitive() const { return std::bit_cast<std::uint32_t>(lanes[3]); }
   // The box without the id. Read as a float the id is usually denormal, which slows down arithmetic.
-  BuildBox box() const { return {without_lane_3(Float8::load(lanes))}; }
+  BuildBox box() const { return {without_lane_3(FloatN::load(lanes))}; }
 };
 
 // The bounds of a range of items: of their boxes, and of their half centroids.

@@ -15,6 +15,7 @@
 #include "core/accel/huge_pages.hpp"
 #include "core/geometry/primitives.hpp"
 #include "core/geometry/ray.hpp"
+#include "core/math/columns.hpp"
 
 namespace tessera::core {
 
@@ -55,10 +56,11 @@ class Bvh {
   bool any_hit(const Primitives& primitives, const Ray& ray) const;
 
   // Traces many rays in any order and of any kind. hits[i] is bit-identical to closest_hit(primitives,
-  // rays[i]). The spans have the same size. Coherent rays should be neighbours.
-  void closest_hits(const Primitives& primitives, std::span<const Ray> rays, std::span<Hit> hits) const;
+  // rays[i]). There are as many of either. Coherent rays should be neighbours. Where nothing moves, times are
+  // neither read nor written.
+  void closest_hits(const Primitives& primitives, ColumnsView<const Ray> rays, ColumnsView<Hit> hits) const;
   // occluded[i] becomes 1 if rays[i] hits anything, else 0.
-  void any_hits(const Primitives& primitives, std::span<const Ray> rays,
+  void any_hits(const Primitives& primitives, ColumnsView<const Ray> rays,
                 std::span<std::uint8_t> occluded) const;
 
   // Includes the trees of objects.

@@ -128,24 +128,16 @@ class WideBuilder {
 
   BvhPacket make_packet(const BinaryBvh::Node& leaf) const {
     BvhPacket packet;
+    packet.kind = primitives_.kind(tree_.order[leaf.first]);
+    packet.lanes = (1u << leaf.count) - 1;
     for (std::uint32_t lane = 0; lane < leaf.count; ++lane) {
       const std::uint32_t primitive = tree_.order[leaf.first + lane];
       packet.primitives[lane] = primitive;
-      if (primitives_.is_instance(primitive)) {
-        packet.instance_lanes |= 1u << lane;
-      } else if (primitives_.is_sphere(primitive)) {
-        packet.sphere_lanes |= 1u << lane;
-      } else if (primitives_.is_curve(primitive)) {
-        packet.curve_lanes |= 1u << lane;
+      if (packet.kind == GeometryKind::kTriangle) {
+        set_corners(packet, lane, primitives_.triangle_corners(primitive));
+      } else if (packet.kind == GeometryKind::kCurve) {
         set_tube(packet, lane, tube_around(primitives_.curve(primitive)));
         set_source(packet, lane, primitives_.curve_source(primitive));
-      } else if (primitives_.is_moving_triangle(primitive)) {
-        packet.moving_lanes |= 1u << lane;
-      } else if (!primitives_.is_triangle(primitive)) {
-        packet.quadric_lanes |= 1u << lane;
-      } else {
-        packet.triangle_lanes |= 1u << lane;
-        set_corners(packet, lane, primitives_.triangle_corners(primitive));
       }
     }
     return packet;

@@ -4,11 +4,24 @@
 #pragma once
 
 #include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 
+#include "core/geometry/geometry_kind.hpp"
+#include "core/math/simd.hpp"
 #include "core/math/simd_integer.hpp"
 
 namespace tessera::core {
+
+// No leaf of the binary tree that a Bvh is made from is deeper.
+inline constexpr int kMaxTreeDepth = 72;
+
+// Calls what(lane) for each lane of `lanes`.
+template <typename What>
+inline void for_each_lane(unsigned lanes, const What& what) {
+  for (; lanes != 0; lanes &= lanes - 1) what(static_cast<std::size_t>(std::countr_zero(lanes)));
+}
 
 // A reference to a node or a packet, by its index in the Bvh's arrays.
 class BvhChild {
@@ -17,10 +30,10 @@ class BvhChild {
   static constexpr BvhChild node(std::uint32_t index) { return BvhChild(index); }
   static constexpr BvhChild packet(std::uint32_t index) { return BvhChild(index | kPacketBit); }
 
-  // Bit i is set if child i of these eight is a packet.
-  static unsigned packets_among(const BvhChild* eight) {
+  // Bit i is set if child i of a vector of them is a packet.
+  static unsigned packets_among(const BvhChild* children) {
     static_assert(sizeof(BvhChild) == sizeof(bits_) && kPacketBit == 1u << 31);
-    return highest_bits(U32x8::load(&eight->bits_));
+    return highest_bits(U32xN::load(&children->bits_));
   }
 
   bool is_packet() const { return (bits_ & kPacketBit) != 0; }
@@ -48,25 +61,23 @@ struct alignas(64) BvhNode {
 };
 
 inline unsigned BvhNode::packet_lanes() const {
-  return BvhChild::packets_among(children.data()) | BvhChild::packets_among(children.data() + 8) << 8;
+  static_assert(kWidth == 2 * kLaneCount);
+  return BvhChild::packets_among(children.data()) | BvhChild::packets_among(children.data() + kLaneCount)
+                                                        << kLaneCount;
 }
 
-// The primitives of a leaf, one in each lane; triangles include a copy of their corners, unless they move.
-// Parts of curves have a line and a radius that bound them (CurveTube): the start and the end in the first
-// two corners, the radius in the first coordinate of the third, and the part's source (tube_test.hpp) in the
-// others. Unused lanes are in no mask.
+// The primitives of a leaf, which are of one kind, one in each lane. Triangles that do not move include a
+// copy of their corners. Parts of curves have a line and a radius that bound them (CurveTube): the start and
+// the end in the first two corners, the radius in the first coordinate of the third, and the part's source
+// (tube_test.hpp) in the others.
 struct alignas(64) BvhPacket {
   static constexpr int kWidth = 4;
 
   float corners[3][3][kWidth] = {};  // [corner][axis][lane]
   std::uint32_t primitives[kWidth] = {};
-  std::uint32_t triangle_lanes = 0;  // bit i for lane i
-  std::uint32_t sphere_lanes = 0;
-  std::uint32_t instance_lanes = 0;
-  std::uint32_t quadric_lanes = 0;  // disks and cylinders
-  std::uint32_t curve_lanes = 0;
-  std::uint32_t moving_lanes = 0;  // triangles that deform while the shutter is open
-  std::uint32_t unused[2] = {};    // pads to the cache line, so that equal packets have equal bytes
+  GeometryKind kind = GeometryKind::kTriangle;
+  std::uint32_t lanes = 0;       // bit i for lane i, if it is used
+  std::uint32_t unused[6] = {};  // pads to the cache line, so that equal packets have equal bytes
 
   bool operator==(const BvhPacket&) const = default;
 };

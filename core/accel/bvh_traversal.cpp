@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The queries of Bvh.
 #include "core/accel/bvh.hpp"
+
+#include <algorithm>
+
 #include "core/accel/group_traversal.hpp"
 #include "core/accel/octant_groups.hpp"
 #include "core/accel/ray_traversal.hpp"
@@ -45,29 +48,35 @@ VisitCounts Bvh::count_visits(const Primitives& primitives, std::span<const Ray>
   return counts;
 }
 
-void Bvh::closest_hits(const Primitives& primitives, std::span<const Ray> rays, std::span<Hit> hits) const {
+void Bvh::closest_hits(const Primitives& primitives, ColumnsView<const Ray> rays,
+                       ColumnsView<Hit> hits) const {
   if (arrays_.nodes.empty()) {
-    std::fill(hits.begin(), hits.end(), Hit{});
+    for (std::size_t i = 0; i < rays.size(); ++i) hits.set(i, {});
     return;
   }
   const GroupScene scene{primitives, arrays_.objects.data(), arrays_.nodes.data(), arrays_.packets.data()};
-  for_each_run(rays, hits, [&](std::span<const Ray> run, std::span<Hit> of_run) {
+  for_each_run(rays, [&](std::size_t first, std::size_t count) {
+    const ColumnsView<const Ray> run = rays.rows(first, count);
+    const ColumnsView<Hit> of_run = hits.rows(first, count);
     for_each_group(
         run, [&](std::span<const std::uint16_t> order) { trace_closest(scene, run, order, of_run); },
-        [&](std::size_t i) { of_run[i] = closest_hit(primitives, run[i]); });
+        [&](std::size_t i) { of_run.set(i, closest_hit(primitives, run[i])); });
   });
   if (!primitives.has_motion()) return;
-  for (std::size_t i = 0; i < rays.size(); ++i) hits[i].time = rays[i].time;
+  const ColumnsView<const float> times = rays.field(&Ray::time);
+  std::copy_n(times.column(0), times.size(), hits.field(&Hit::time).column(0));
 }
 
-void Bvh::any_hits(const Primitives& primitives, std::span<const Ray> rays,
+void Bvh::any_hits(const Primitives& primitives, ColumnsView<const Ray> rays,
                    std::span<std::uint8_t> occluded) const {
   if (arrays_.nodes.empty()) {
     std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
     return;
   }
   const GroupScene scene{primitives, arrays_.objects.data(), arrays_.nodes.data(), arrays_.packets.data()};
-  for_each_run(rays, occluded, [&](std::span<const Ray> run, std::span<std::uint8_t> of_run) {
+  for_each_run(rays, [&](std::size_t first, std::size_t count) {
+    const ColumnsView<const Ray> run = rays.rows(first, count);
+    const std::span<std::uint8_t> of_run = occluded.subspan(first, count);
     for_each_group(
         run, [&](std::span<const std::uint16_t> order) { trace_any(scene, run, order, of_run); },
         [&](std::size_t i) { of_run[i] = any_hit(primitives, run[i]) ? 1 : 0; });

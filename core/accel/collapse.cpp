@@ -47,18 +47,18 @@ Collapse::Costs Collapse::plan(std::uint32_t index, int depth) {
 Collapse::Costs Collapse::merge(const BinaryBvh::Node& node, const Costs& left, const Costs& right) {
   // Padding before the costs of the right child, so that they can be loaded at an offset.
   float shifted[2 * kWidth];
-  for (std::size_t i = 0; i < kWidth; i += 8) {
-    Float8::broadcast(std::numeric_limits<float>::infinity()).store_unaligned(shifted + i);
-    Float8::load(right.of_trees + i).store_unaligned(shifted + kWidth + i);
+  for (std::size_t i = 0; i < kWidth; i += kLaneCount) {
+    FloatN::broadcast(std::numeric_limits<float>::infinity()).store_unaligned(shifted + i);
+    FloatN::load(right.of_trees + i).store_unaligned(shifted + kWidth + i);
   }
   Costs costs;
   alignas(32) float left_trees[kWidth];
-  for (std::size_t half = 0; half < kWidth; half += 8) {
-    Float8 best = Float8::broadcast(std::numeric_limits<float>::infinity()), choice = Float8::broadcast(0);
-    for (std::size_t i = 0; i + 1 < half + 8; ++i) {
-      const Float8 cost =
-          Float8::broadcast(left.of_trees[i]) + Float8::load_unaligned(shifted + kWidth + half - (i + 1));
-      choice = select(cost < best, Float8::broadcast(static_cast<float>(i + 1)), choice);
+  for (std::size_t half = 0; half < kWidth; half += kLaneCount) {
+    FloatN best = FloatN::broadcast(std::numeric_limits<float>::infinity()), choice = FloatN::broadcast(0);
+    for (std::size_t i = 0; i + 1 < half + kLaneCount; ++i) {
+      const FloatN cost =
+          FloatN::broadcast(left.of_trees[i]) + FloatN::load_unaligned(shifted + kWidth + half - (i + 1));
+      choice = select(cost < best, FloatN::broadcast(static_cast<float>(i + 1)), choice);
       best = min(cost, best);
     }
     best.store(costs.of_trees + half);

@@ -4,55 +4,17 @@
 // This hides the latency of memory and of dependent arithmetic.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <bit>
 #include <cassert>
 #include <cstdint>
 #include <utility>
 
 #include "core/accel/ray_group.hpp"
 #include "core/accel/ray_traversal.hpp"
+#include "core/accel/traversal_stack.hpp"
 #include "core/base/prefetch.hpp"
 
 namespace tessera::core {
-
-// A traversal stack for each ray; the nearest entry is on top if entries are pushed sorted. The capacity is
-// small, because there are many rays.
-class RayStacks {
- public:
-  // Whether the children of one more node fit.
-  bool has_room(std::size_t i) const { return sizes_[i] <= kCapacity - BvhNode::kWidth; }
-  std::size_t size(std::size_t i) const { return sizes_[i]; }
-  void clear(std::size_t i) { sizes_[i] = 0; }
-
-  void push(std::size_t i, StackEntry entry) { entries_[i][sizes_[i]++] = entry; }
-  // Inserts among the entries from `base` on, keeping the nearest last.
-  void push_sorted(std::size_t i, std::size_t base, StackEntry entry) {
-    std::size_t slot = sizes_[i]++;
-    for (; slot > base && entries_[i][slot - 1] < entry; --slot) entries_[i][slot] = entries_[i][slot - 1];
-    entries_[i][slot] = entry;
-  }
-
-  // Pops the next entry that begins before `limit`; returns false if there is none.
-  bool pop(std::size_t i, float limit, BvhChild& child) {
-    for (std::size_t size = sizes_[i]; size > 0;) {
-      const StackEntry top = entries_[i][--size];
-      if (top.t_near() > limit) continue;
-      child = top.child();
-      sizes_[i] = static_cast<std::uint8_t>(size);
-      return true;
-    }
-    sizes_[i] = 0;
-    return false;
-  }
-
- private:
-  static constexpr std::size_t kCapacity = 64;
-
-  std::array<std::uint8_t, kGroupSize> sizes_{};
-  std::array<std::array<StackEntry, kCapacity>, kGroupSize> entries_;
-};
 
 // AnyRay is Ray or ObjectRay.
 template <Query kQuery, typename AnyRay>
@@ -65,13 +27,11 @@ class DivergedRays {
   // Schedules a node (not a packet) for ray i. If there is no room, returns false and clears the ray's
   // stack.
   bool keep(std::size_t i, StackEntry entry) {
-    if (!stacks_.has_room(i)) return forget(i);
+    RayStack& stack = stacks_[i];
+    if ((diverged_ >> i & 1) == 0) stack.clear();
     diverged_ |= RaySet{1} << i;
-    if (kQuery == Query::kClosest) {
-      stacks_.push_sorted(i, 0, entry);
-    } else {
-      stacks_.push(i, entry);
-    }
+    if (!stack.has_room()) return forget(i);
+    stack.push_sorted(kQuery == Query::kClosest ? 0 : stack.size(), entry);
     return true;
   }
 
@@ -97,20 +57,23 @@ class DivergedRays {
   }
 
  private:
+  // The capacity is small, because there are many rays.
+  using RayStack = TraversalStack<StackEntry, 64>;
+
   // A packet that a ray is to be tested against.
   struct Reached {
     std::uint32_t ray, packet;
   };
 
   bool forget(std::size_t i) {
-    stacks_.clear(i);
+    stacks_[i].clear();
     return false;
   }
 
   // Pops the next entry from the ray's stack.
   void go_on(std::size_t i) {
     BvhChild next;
-    if (stacks_.pop(i, group_.limit(i), next)) schedule_node(i, next);
+    if (stacks_[i].pop(group_.limit(i), next)) schedule_node(i, next);
   }
 
   // Prefetches what the ray visits next.
@@ -128,45 +91,19 @@ class DivergedRays {
 
   // Returns false if there is no room for the node's children.
   bool enter(const BvhNode& node, std::size_t i) {
-    if (!stacks_.has_room(i)) return forget(i);
+    RayStack& stack = stacks_[i];
+    if (!stack.has_room()) return forget(i);
     alignas(kVectorAlignment) float t_near[BvhNode::kWidth];
     const unsigned met = group_.boxes_met_by(i, node, t_near);
     if (kQuery == Query::kAny) {
-      enter_any(node, i, met);
-    } else {
-      enter_closest(node, i, met, t_near);
+      // The ray advances before the packets that it has reached are tested.
+      for_each_lane(push_nodes(stack, node, met),
+                    [&](std::size_t lane) { enqueue_leaf(i, node.children[lane].index()); });
+      go_on(i);
+    } else if (BvhChild next; next_nearest(stack, node, met, t_near, group_.limit(i), next)) {
+      schedule_node(i, next);
     }
     return true;
-  }
-
-  // As in RayTraversal::find_any, the ray advances before the packets that it has reached are tested.
-  void enter_any(const BvhNode& node, std::size_t i, unsigned met) {
-    const unsigned packet_lanes = node.packet_lanes();
-    for (unsigned lanes = met & packet_lanes; lanes != 0; lanes &= lanes - 1)
-      enqueue_leaf(i, node.children[static_cast<std::size_t>(std::countr_zero(lanes))].index());
-    for (unsigned lanes = met & ~packet_lanes; lanes != 0; lanes &= lanes - 1)
-      stacks_.push(i, {0, node.children[static_cast<std::size_t>(std::countr_zero(lanes))]});
-    go_on(i);
-  }
-
-  // The nearest child is next. One or two children are common.
-  void enter_closest(const BvhNode& node, std::size_t i, unsigned met, const float* t_near) {
-    if (met == 0) return go_on(i);
-    const auto first = static_cast<std::size_t>(std::countr_zero(met));
-    const unsigned others = met & (met - 1);
-    if (others == 0) return schedule_node(i, node.children[first]);
-    if ((others & (others - 1)) == 0) {
-      const auto second = static_cast<std::size_t>(std::countr_zero(others));
-      const StackEntry a(t_near[first], node.children[first]), b(t_near[second], node.children[second]);
-      stacks_.push(i, std::max(a, b));
-      return schedule_node(i, std::min(a, b).child());
-    }
-    const std::size_t base = stacks_.size(i);
-    for (unsigned lanes = met; lanes != 0; lanes &= lanes - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-      stacks_.push_sorted(i, base, {t_near[lane], node.children[lane]});
-    }
-    go_on(i);
   }
 
   // Enough packets that their tests do not wait for each other. Shadow rays test at once, because a hit
@@ -176,9 +113,9 @@ class DivergedRays {
   const RayGroup<AnyRay>& group_;
   const BvhNode* const nodes_;
   const BvhPacket* const packets_;
-  RaySet diverged_ = 0;  // rays that have kept entries
-  RaySet at_node_ = 0;   // rays that visit node next_[i] in the next round
-  RayStacks stacks_;
+  RaySet diverged_ = 0;                      // rays that have kept entries
+  RaySet at_node_ = 0;                       // rays that visit node next_[i] in the next round
+  std::array<RayStack, kGroupSize> stacks_;  // of the rays in diverged_
   std::array<std::uint32_t, kGroupSize> next_;
   std::size_t reached_count_ = 0;
   // Room for one packet of each ray; for kAny, for all packets of one node of each ray, since these are

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The hits of a group's rays. A triangle that the float filter accepts (triangle_filter.hpp) becomes a
-// ray's candidate, with bounds on its t. The exact hit is computed in double, four or eight at once, only
+// ray's candidate, with bounds on its t. The exact hit is computed in double, a vector at once, only
 // where bounds overlap and for the last remaining candidate.
 #pragma once
 
@@ -14,11 +14,10 @@
 #include "core/accel/bvh.hpp"
 #include "core/accel/bvh_layout.hpp"
 #include "core/accel/hit_columns.hpp"
-#include "core/accel/moving_triangles.hpp"
+#include "core/accel/packet_hits.hpp"
 #include "core/accel/ray_group.hpp"
 #include "core/accel/ray_traversal.hpp"
 #include "core/accel/sheared_group.hpp"
-#include "core/accel/tube_test.hpp"
 #include "core/geometry/primitives.hpp"
 #include "core/geometry/rounding.hpp"
 
@@ -58,43 +57,23 @@ class GroupHits {
 
   // Tests the rays of `set` against a packet's spheres, one vector of rays at a time.
   void test_spheres(const BvhPacket& packet, RaySet set) {
-    for (unsigned spheres = packet.sphere_lanes; spheres != 0; spheres &= spheres - 1) {
-      const std::uint32_t primitive = packet.primitives[std::countr_zero(spheres)];
+    for_each_lane(packet.lanes, [&](std::size_t lane) {
       for (std::size_t v = 0; v < columns_.vectors(); ++v)
-        if (lanes_of(set, v) != 0) test_sphere(primitive, v, MaskVector::from_bits(lanes_of(set, v)));
-    }
-  }
-
-  // Tests the rays of `set` against a packet's disks and cylinders, ray by ray.
-  void test_quadrics(const BvhPacket& packet, RaySet set) {
-    for (unsigned quadrics = packet.quadric_lanes; quadrics != 0; quadrics &= quadrics - 1) {
-      const std::uint32_t primitive = packet.primitives[std::countr_zero(quadrics)];
-      for_each_ray(set, [&](std::size_t i) { test_analytic(primitive, i); });
-    }
-  }
-
-  // Tests the rays of `set` against a packet's moving triangles, ray by ray.
-  void test_moving(const BvhPacket& packet, RaySet set) {
-    for_each_ray(set, [&](std::size_t i) {
-      const AnyRay ray = columns_.ray(i);
-      for_each_moving_hit(packet, scene_.primitives, ray, [&](const Hit& found) {
-        Hit hit;
-        if (hit.improve(ray, found)) accept(i, hit);
-      });
+        if (lanes_of(set, v) != 0)
+          test_sphere(packet.primitives[lane], v, MaskVector::from_bits(lanes_of(set, v)));
     });
   }
 
-  // Tests the rays of `set` against a packet's parts of curves, ray by ray.
-  void test_curves(const BvhPacket& packet, RaySet set) {
-    prefetch_curves(packet, scene_.primitives);
+  // Tests the rays of `set` against a packet's primitives, ray by ray; not for triangles at rest or
+  // instances.
+  void test_others(const BvhPacket& packet, RaySet set) {
+    if (packet.kind == GeometryKind::kCurve) prefetch_curves(packet, scene_.primitives);
     for_each_ray(set, [&](std::size_t i) {
       const AnyRay ray = columns_.ray(i);
-      for (unsigned near = curves_near(packet, ObjectRay(ray)); near != 0; near &= near - 1) {
-        const int lane = std::countr_zero(near);
+      for_each_line_hit(packet, scene_.primitives, ray, [&](const Hit& found) {
         Hit hit;
-        if (scene_.primitives.intersect_curve(packet.primitives[lane], source_of(packet, lane), ray, hit))
-          accept(i, hit);
-      }
+        if (hit.improve(ray, found)) accept(i, hit);
+      });
     });
   }
 
@@ -110,9 +89,9 @@ class GroupHits {
     if (queued_ > kQueueSize - BvhPacket::kWidth - kSize) settle();  // a test adds at most kSize
     const BvhPacket& packet = scene_.packets[index];
     unsigned lanes =
-        packet.triangle_lanes &
-        TriangleHitsOf<Double4>::may_hit(sheared_.rays_like(i), t_high_[i], [&](int corner, int axis) {
-          return Double4::load(packet.corners[corner][sheared_.axis(i, axis)]);
+        packet.lanes &
+        TriangleHitsOf<DoubleHalf>::may_hit(sheared_.rays_like(i), t_high_[i], [&](int corner, int axis) {
+          return DoubleHalf::load(packet.corners[corner][sheared_.axis(i, axis)]);
         });
     // Writes unconditionally; the end of the queue advances only if there is an entry.
     const std::size_t before = queued_;
@@ -131,7 +110,7 @@ class GroupHits {
 
   // Computes the queued hits. A ray whose candidate arrived after it was queued is queued again.
   void settle() {
-    using D = Double4;  // few entries are expected
+    using D = DoubleHalf;  // few entries are expected
     for (std::size_t begin = 0, count; begin < queued_; begin += count) {
       count = std::min(D::kLanes, queued_ - begin);
       Pairs<D> pairs;
@@ -245,11 +224,6 @@ class GroupHits {
                  });
   }
 
-  void test_analytic(std::uint32_t primitive, std::size_t i) {
-    Hit hit;
-    if (scene_.primitives.intersect(primitive, columns_.ray(i), hit)) accept(i, hit);
-  }
-
   // Takes into account what ray i has hit, other than a triangle.
   void accept(std::size_t i, const Hit& hit) {
     if (kQuery == Query::kAny) {
@@ -270,7 +244,7 @@ class GroupHits {
     float* const t_low = t_low_ + kLanes * v;
     float* const t_high = t_high_ + kLanes * v;
     float* const candidates = candidates_ + kLanes * v;
-    for (unsigned triangles = packet.triangle_lanes; triangles != 0; triangles &= triangles - 1) {
+    for (unsigned triangles = packet.lanes; triangles != 0; triangles &= triangles - 1) {
       const int lane = std::countr_zero(triangles);
       const std::uint32_t triangle = index * BvhPacket::kWidth + static_cast<std::uint32_t>(lane);
       const TriangleFilter filter(

@@ -7,6 +7,7 @@
 #include "core/accel/diverged_rays.hpp"
 #include "core/accel/ray_traversal.hpp"
 #include "core/accel/rays_in_object.hpp"
+#include "core/accel/traversal_stack.hpp"
 #include "core/base/prefetch.hpp"
 
 namespace tessera::core {
@@ -21,29 +22,11 @@ constexpr int kMinInObject = 8;
 
 // A child to be visited, and the rays that meet its box.
 struct GroupEntry {
+  bool operator<(const GroupEntry& other) const { return t_near < other.t_near; }
+
   float t_near;  // a lower bound over the rays of the group
   BvhChild child;
   RaySet rays;
-};
-
-// The entries to be visited, the nearest on top.
-class GroupStack {
- public:
-  bool empty() const { return size_ == 0; }
-  const GroupEntry& pop() { return entries_[--size_]; }
-
-  // Entries pushed consecutively with the same `base`, the size before the first of them, end up sorted.
-  std::size_t size() const { return size_; }
-  void push(std::size_t base, const GroupEntry& entry) {
-    std::size_t slot = size_++;
-    for (; slot > base && entries_[slot - 1].t_near < entry.t_near; --slot)
-      entries_[slot] = entries_[slot - 1];
-    entries_[slot] = entry;
-  }
-
- private:
-  std::array<GroupEntry, kMaxStackSize> entries_;
-  std::size_t size_ = 0;
 };
 
 // AnyRay is Ray, or ObjectRay in the space of an object, which contains no instances. Keeps references.
@@ -59,7 +42,8 @@ class GroupTraversal {
 
   // The hits of the rays. For kAny only missing() is meaningful.
   const HitColumns& run() {
-    stack_.push(0, {0, BvhChild::node(0), hits_.alive()});
+    stack_.clear();
+    stack_.push({0, BvhChild::node(0), hits_.alive()});
     while (!stack_.empty()) {
       const GroupEntry entry = stack_.pop();
       const RaySet set = group_.reaching(entry.rays & going(), entry.t_near);
@@ -91,8 +75,7 @@ class GroupTraversal {
       met = group_.rays_meeting(node, set, meeting);
     }
     const std::size_t base = stack_.size();
-    for (; met != 0; met &= met - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(met));
+    for_each_lane(met, [&](std::size_t lane) {
       const BvhChild child = node.children[lane];
       if (!child.is_packet() && std::popcount(meeting[lane]) <= kFewRays) {
         for_each_ray(meeting[lane], [&](std::size_t i) {
@@ -100,9 +83,9 @@ class GroupTraversal {
         });
       } else if (meeting[lane] != 0) {
         prefetch_child(child);
-        stack_.push(base, {t_near[lane], child, meeting[lane]});
+        stack_.push_sorted(base, {t_near[lane], child, meeting[lane]});
       }
-    }
+    });
   }
 
   void prefetch_child(BvhChild child) const {
@@ -115,9 +98,8 @@ class GroupTraversal {
 
   void visit(std::uint32_t index, RaySet set) {
     const BvhPacket& packet = scene_.packets[index];
-    visit_others(packet, set);
-    if (packet.triangle_lanes == 0) return;
-    const int cost_together = std::popcount(packet.triangle_lanes) * vectors_of(set) * kTriangleVsVector;
+    if (packet.kind != GeometryKind::kTriangle) return visit_others(packet, set);
+    const int cost_together = std::popcount(packet.lanes) * vectors_of(set) * kTriangleVsVector;
     if (group_.can_filter() && cost_together <= std::popcount(set) * kRayVsPacket) {
       hits_.test_together(index, set);
     } else {
@@ -125,23 +107,13 @@ class GroupTraversal {
     }
   }
 
-  // Tests primitives other than triangles.
+  // Tests primitives other than triangles at rest.
   void visit_others(const BvhPacket& packet, RaySet set) {
     if constexpr (std::is_same_v<AnyRay, Ray>)
-      if (packet.instance_lanes != 0) enter_instances(packet, set);
-    if (packet.sphere_lanes != 0) hits_.test_spheres(packet, set);
-    if ((packet.quadric_lanes | packet.moving_lanes) != 0) {
-      hits_.test_quadrics(packet, set);
-      hits_.test_moving(packet, set);
-    }
-    if (packet.curve_lanes != 0) hits_.test_curves(packet, set);
-  }
-
-  void enter_instances(const BvhPacket& packet, RaySet set) {
-    for (unsigned lanes = packet.instance_lanes; lanes != 0; lanes &= lanes - 1) {
-      const std::uint32_t primitive = packet.primitives[std::countr_zero(lanes)];
-      enter_instance(scene_.primitives.instance_number(primitive), set & hits_.alive());
-    }
+      if (packet.kind == GeometryKind::kInstance)
+        return enter_instance(scene_.primitives.instance_number(packet.primitives[0]), set & hits_.alive());
+    if (packet.kind == GeometryKind::kSphere) return hits_.test_spheres(packet, set);
+    hits_.test_others(packet, set);
   }
 
   void enter_instance(std::uint32_t number, RaySet set) {
@@ -218,8 +190,11 @@ class GroupTraversal {
 
   void visit_alone(std::uint32_t index, std::size_t i) {
     const BvhPacket& packet = scene_.packets[index];
-    visit_others(packet, RaySet{1} << i);
-    if (packet.triangle_lanes != 0) hits_.test_later(i, index);
+    if (packet.kind == GeometryKind::kTriangle) {
+      hits_.test_later(i, index);
+    } else {
+      visit_others(packet, RaySet{1} << i);
+    }
   }
 
   // Ray i traverses the whole tree individually.
@@ -238,27 +213,28 @@ class GroupTraversal {
   const RayColumns<AnyRay>& columns_;
   RayGroup<AnyRay> group_;
   GroupHits<kQuery, AnyRay> hits_;
-  GroupStack stack_;
+  TraversalStack<GroupEntry, kMaxStackSize> stack_;
   DivergedRays<kQuery, AnyRay> diverged_;
   RaySet through_ = 0;  // rays that have traversed the whole tree individually
 };
 
-RayColumns<Ray> columns_of(std::span<const Ray> rays, std::span<const std::uint16_t> order) {
-  return {order.size(), [&](std::size_t i) -> const Ray& { return rays[order[i]]; }};
+RayColumns<Ray> columns_of(const GroupScene& scene, ColumnsView<const Ray> rays,
+                           std::span<const std::uint16_t> order) {
+  return {rays, order, scene.primitives.has_motion()};
 }
 
 }  // namespace
 
-void trace_closest(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint16_t> order,
-                   std::span<Hit> hits) {
-  const RayColumns<Ray> columns = columns_of(rays, order);
+void trace_closest(const GroupScene& scene, ColumnsView<const Ray> rays, std::span<const std::uint16_t> order,
+                   ColumnsView<Hit> hits) {
+  const RayColumns<Ray> columns = columns_of(scene, rays, order);
   GroupTraversal<Query::kClosest, Ray> traversal(scene, columns);
   traversal.run().store(order, hits);
 }
 
-void trace_any(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint16_t> order,
+void trace_any(const GroupScene& scene, ColumnsView<const Ray> rays, std::span<const std::uint16_t> order,
                std::span<std::uint8_t> occluded) {
-  const RayColumns<Ray> columns = columns_of(rays, order);
+  const RayColumns<Ray> columns = columns_of(scene, rays, order);
   GroupTraversal<Query::kAny, Ray> traversal(scene, columns);
   traversal.run();
   for (std::size_t i = 0; i < order.size(); ++i)

@@ -17,11 +17,12 @@
 
 namespace tessera::core {
 
-// The rays rays[order[i]] point into one octant (ray_columns.hpp), and there are at most kGroupSize.
+// The rays rays[order[i]] point into one octant (octant_groups.hpp), in ascending order, and
+// there are at most kGroupSize.
 // Results go to hits[order[i]] and occluded[order[i]].
-void trace_closest(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint16_t> order,
-                   std::span<Hit> hits);
-void trace_any(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint16_t> order,
+void trace_closest(const GroupScene& scene, ColumnsView<const Ray> rays, std::span<const std::uint16_t> order,
+                   ColumnsView<Hit> hits);
+void trace_any(const GroupScene& scene, ColumnsView<const Ray> rays, std::span<const std::uint16_t> order,
                std::span<std::uint8_t> occluded);
 
 }  // namespace tessera::core

@@ -3,12 +3,15 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 
 #include "core/accel/ray_columns.hpp"
 #include "core/geometry/ray.hpp"
+#include "core/math/columns.hpp"
 
 namespace tessera::core {
 
@@ -32,17 +35,26 @@ class HitColumns {
     instance_[i] = hit.instance;
   }
 
-  // Stores the hit of ray i in hits[order[i]].
-  void store(std::span<const std::uint16_t> order, std::span<Hit> hits) const {
-    static_assert(offsetof(Hit, primitive) == sizeof(float) && offsetof(Hit, b1) == 2 * sizeof(float) &&
-                  offsetof(Hit, b2) == 3 * sizeof(float) && offsetof(Hit, instance) == 4 * sizeof(float));
-    std::size_t i = 0;
-    for (; i + 4 <= order.size(); i += 4) {
-      const auto row = [&](std::size_t k) { return &hits[order[i + k]].t; };
-      store_transposed({t_ + i, reinterpret_cast<const float*>(primitive_ + i), b1_ + i, b2_ + i}, row);
-      for (std::size_t k = 0; k < 4; ++k) hits[order[i + k]].instance = instance_[i + k];
+  // Stores the hit of ray i in hits[order[i]]; the order is ascending. Times are left alone.
+  void store(std::span<const std::uint16_t> order, ColumnsView<Hit> hits) const {
+    float *const t = hits.field(&Hit::t).column(0), *const primitive = hits.field(&Hit::primitive).column(0),
+                 *const b1 = hits.field(&Hit::b1).column(0), *const b2 = hits.field(&Hit::b2).column(0),
+                 *const instance = hits.field(&Hit::instance).column(0);
+    if (order.back() - order.front() + std::size_t{1} == order.size()) {
+      const std::size_t first = order.front(), bytes = order.size() * sizeof(float);
+      std::memcpy(t + first, t_, bytes);
+      std::memcpy(primitive + first, primitive_, bytes);
+      std::memcpy(b1 + first, b1_, bytes);
+      std::memcpy(b2 + first, b2_, bytes);
+      std::memcpy(instance + first, instance_, bytes);
+      return;
     }
-    for (; i < order.size(); ++i) hits[order[i]] = (*this)[i];
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const std::size_t row = order[i];
+      t[row] = t_[i], b1[row] = b1_[i], b2[row] = b2_[i];
+      primitive[row] = std::bit_cast<float>(primitive_[i]);
+      instance[row] = std::bit_cast<float>(instance_[i]);
+    }
   }
 
   // The storage of the hits of rays from `first` on.

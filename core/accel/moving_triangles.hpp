@@ -18,17 +18,17 @@ void for_each_moving_hit(const BvhPacket& packet, const Primitives& primitives, 
                          const Found& found) {
   TriangleCorners triangles[BvhPacket::kWidth];
   alignas(16) float corners[3][3][BvhPacket::kWidth] = {};
-  for (unsigned lanes = packet.moving_lanes; lanes != 0; lanes &= lanes - 1) {
+  for (unsigned lanes = packet.lanes; lanes != 0; lanes &= lanes - 1) {
     const int lane = std::countr_zero(lanes);
     triangles[lane] = primitives.triangle_corners(packet.primitives[lane], ray.time);
     for (std::size_t corner = 0; corner < 3; ++corner)
       for (int axis = 0; axis < 3; ++axis) corners[corner][axis][lane] = triangles[lane][corner][axis];
   }
   const ShearedRay sheared(ray);
-  const TriangleHitsOf<Double4> hits(ShearedRaysOf<Double4>(sheared), [&](int corner, int axis) {
-    return Double4::load(corners[corner][sheared.axis(axis)]);
+  const TriangleHitsOf<DoubleHalf> hits(ShearedRaysOf<DoubleHalf>(sheared), [&](int corner, int axis) {
+    return DoubleHalf::load(corners[corner][sheared.axis(axis)]);
   });
-  for (unsigned lanes = hits.lanes() & packet.moving_lanes; lanes != 0; lanes &= lanes - 1) {
+  for (unsigned lanes = hits.lanes() & packet.lanes; lanes != 0; lanes &= lanes - 1) {
     const int lane = std::countr_zero(lanes);
     if (can_be_hit(triangles[lane]))
       found(Hit{hits.t(lane), packet.primitives[lane], hits.b1(lane), hits.b2(lane), kNoInstance, ray.time});

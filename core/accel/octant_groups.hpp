@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -12,6 +13,7 @@
 #include "core/accel/ray_columns.hpp"
 #include "core/base/prefetch.hpp"
 #include "core/geometry/ray.hpp"
+#include "core/math/columns.hpp"
 
 namespace tessera::core {
 
@@ -20,16 +22,62 @@ inline constexpr std::size_t kRun = 512;
 // Smaller groups are not worth the setup cost.
 inline constexpr std::size_t kMinGroup = 8;
 
+// The octants that the rays of a run point into: bit i is the sign of coordinate i of the direction.
+class Octants {
+ public:
+  explicit Octants(ColumnsView<const Ray> run) : directions_(run.field(&Ray::direction)) {}
+
+  // Whether rays begin to begin + count are of one octant.
+  bool is_one(std::size_t begin, std::size_t count) const {
+    return have_one_sign(directions_.column(0) + begin, count) &&
+           have_one_sign(directions_.column(1) + begin, count) &&
+           have_one_sign(directions_.column(2) + begin, count);
+  }
+  // Finds the octants of these rays.
+  void find(std::size_t begin, std::size_t count) {
+    std::size_t i = begin;
+    for (; i + kLaneCount <= begin + count; i += kLaneCount) {
+      const auto negative = [&](std::size_t axis) {
+        return as_bits(FloatN::load_unaligned(directions_.column(axis) + i)) >> 31;
+      };
+      (negative(0) | negative(1) << 1 | negative(2) << 2).store(&found_[i]);
+    }
+    const auto negative = [&](std::size_t axis) { return as_bits(directions_.column(axis)[i]) >> 31; };
+    for (; i < begin + count; ++i) found_[i] = negative(0) | negative(1) << 1 | negative(2) << 2;
+  }
+  // Of a ray whose octant was found.
+  std::uint32_t operator[](std::size_t i) const { return found_[i]; }
+
+ private:
+  static bool have_one_sign(const float* numbers, std::size_t count) {
+    std::size_t i = 0;
+    U32xN any_negative(0u), all_negative(~0u);
+    for (; i + kLaneCount <= count; i += kLaneCount) {
+      const U32xN bits = as_bits(FloatN::load_unaligned(numbers + i));
+      any_negative = any_negative | bits;
+      all_negative = all_negative & bits;
+    }
+    const unsigned vectors_any = highest_bits(any_negative), vectors_all = highest_bits(all_negative);
+    bool some = vectors_any != 0, every = vectors_all == (1u << kLaneCount) - 1;
+    for (; i < count; ++i) {
+      some |= std::signbit(numbers[i]);
+      every &= std::signbit(numbers[i]);
+    }
+    return some == every;
+  }
+
+  ColumnsView<const Vec3> directions_;
+  std::array<std::uint32_t, kRun> found_;
+};
+
 // The order of a run's rays: sorted by octant, otherwise stable.
 class OctantOrder {
  public:
-  OctantOrder(std::span<const Ray> run, std::span<const std::uint16_t> among) {
-    std::array<std::uint8_t, kRun> octants;
-    for (const std::uint16_t i : among)
-      ++first_[(octants[i] = static_cast<std::uint8_t>(octant(run[i]))) + 1u];
+  OctantOrder(const Octants& of_run, std::span<const std::uint16_t> among) {
+    for (const std::uint16_t i : among) ++first_[of_run[i] + 1];
     for (std::size_t o = 1; o <= kOctants; ++o) first_[o] += first_[o - 1];
     auto next = first_;
-    for (const std::uint16_t i : among) order_[next[octants[i]]++] = i;
+    for (const std::uint16_t i : among) order_[next[of_run[i]]++] = i;
   }
 
   static constexpr std::size_t kOctants = 8;
@@ -48,37 +96,36 @@ inline constexpr std::array<std::uint16_t, kRun> kAsTheyCome = [] {
   return order;
 }();
 
-// Prefetches the first of the following rays.
-inline void prefetch_group(std::span<const Ray> rays) {
-  prefetch_bytes(std::as_bytes(rays.first(std::min(kGroupSize, rays.size()))));
-}
-
-inline bool of_one_octant(std::span<const Ray> rays) {
-  const unsigned first = octant(rays.front());
-  return std::all_of(rays.begin(), rays.end(), [first](const Ray& ray) { return octant(ray) == first; });
+// Prefetches the first of the rays from `begin` on.
+inline void prefetch_group(ColumnsView<const Ray> rays, std::size_t begin) {
+  const std::size_t count = std::min(kGroupSize, rays.size() - begin);
+  for (std::size_t c = 0; c < rays.kColumns; ++c)
+    prefetch_bytes(std::as_bytes(std::span(rays.column(c) + begin, count)));
 }
 
 // Calls together(order) for groups of rays that share an octant: run[order[0]] and so on. Neighbours that
 // already share an octant are taken in order, which saves reading them twice; others are sorted. Calls
 // alone(i) for each ray of a group that is too small.
 template <typename Together, typename Alone>
-void for_each_group(std::span<const Ray> run, const Together& together, const Alone& alone) {
+void for_each_group(ColumnsView<const Ray> run, const Together& together, const Alone& alone) {
   assert(run.size() <= kRun);
+  Octants octants(run);
   std::array<std::uint16_t, kRun> mixed;
   std::size_t mixed_count = 0;
   for (std::size_t begin = 0; begin < run.size(); begin += kGroupSize) {
     const std::size_t count = std::min(kGroupSize, run.size() - begin);
-    prefetch_group(run.subspan(begin + count));
+    prefetch_group(run, begin + count);
     const auto group = std::span(kAsTheyCome).subspan(begin, count);
-    if (count >= kMinGroup && of_one_octant(run.subspan(begin, count))) {
+    if (count >= kMinGroup && octants.is_one(begin, count)) {
       together(group);
     } else {
+      octants.find(begin, count);
       std::copy(group.begin(), group.end(), mixed.begin() + mixed_count);
       mixed_count += count;
     }
   }
   if (mixed_count == 0) return;
-  const OctantOrder order(run, std::span(mixed).first(mixed_count));
+  const OctantOrder order(octants, std::span(mixed).first(mixed_count));
   for (std::size_t octant = 0; octant < OctantOrder::kOctants; ++octant) {
     for (auto left = order.rays(octant); !left.empty();) {
       const auto group = left.first(std::min(kGroupSize, left.size()));
@@ -92,13 +139,13 @@ void for_each_group(std::span<const Ray> run, const Together& together, const Al
   }
 }
 
-// Calls what(rays, answers) for each run of rays with their answers.
-template <typename Answer, typename What>
-void for_each_run(std::span<const Ray> rays, std::span<Answer> answers, const What& what) {
+// Calls what(first, count) for each run of rays.
+template <typename What>
+void for_each_run(ColumnsView<const Ray> rays, const What& what) {
   for (std::size_t begin = 0; begin < rays.size(); begin += kRun) {
     const std::size_t count = std::min(kRun, rays.size() - begin);
-    prefetch_group(rays.subspan(begin + count));
-    what(rays.subspan(begin, count), answers.subspan(begin, count));
+    prefetch_group(rays, begin + count);
+    what(begin, count);
   }
 }
 

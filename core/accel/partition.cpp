@@ -72,13 +72,13 @@ RangeBounds bounds_of(std::span<const BuildItem> items) {
 Parts partition(std::span<BuildItem> items, const Binning& binning, const Split& split) {
   Parts parts;
   const BuildBox none;
-  const U32x8 border(static_cast<std::uint32_t>(split.first_right_bin));
+  const U32xN border(static_cast<std::uint32_t>(split.first_right_bin));
   for (BuildItem& item : items) {
     const BuildItem moved = item;
     item = items[parts.left_count];
     items[parts.left_count] = moved;
     const BuildBox box = moved.box(), centroid = box.half_centroid();
-    const Mask8 is_left = less_if_small(in_every_lane(binning.bins(box, box), split.axis), border);
+    const MaskN is_left = less_if_small(in_every_lane(binning.bins(box, box), split.axis), border);
     parts.left_half_centroids.include({select(is_left, centroid.v, none.v)});
     parts.right_half_centroids.include({select(is_left, none.v, centroid.v)});
     parts.left_count += is_left.bits() & 1;

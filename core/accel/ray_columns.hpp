@@ -7,10 +7,11 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
+#include <span>
 
 #include "core/geometry/object_ray.hpp"
 #include "core/geometry/ray.hpp"
+#include "core/math/columns.hpp"
 #include "core/math/simd_widest.hpp"
 
 namespace tessera::core {
@@ -41,12 +42,27 @@ struct RayColumns {
   using Real = typename RayNumbers<AnyRay>::Real;
   using Lanes = typename RayNumbers<AnyRay>::Lanes;
 
-  // ray_at(i) returns ray i (for Ray, a reference). There is at least one ray.
+  // ray_at(i) returns ray i. There is at least one ray.
   template <typename RayAt>
   RayColumns(std::size_t ray_count, const RayAt& ray_at) : count(ray_count) {
-    const std::size_t padded = (count + kMaxVectorLanes - 1) / kMaxVectorLanes * kMaxVectorLanes;
-    for (std::size_t i = 0; i < padded; i += 8)
-      set_vector(i, [&](std::size_t k) -> decltype(auto) { return ray_at(std::min(i + k, count - 1)); });
+    for (std::size_t i = 0; i < padded(); ++i) set(i, ray_at(std::min(i, count - 1)));
+  }
+  // Rays rays[order[0]] and so on, in ascending order. Their times are needed if they are `timed`, else
+  // they are 0.
+  RayColumns(ColumnsView<const Ray> rays, std::span<const std::uint16_t> order, bool timed)
+      : count(order.size()) {
+    const ColumnsView<const Vec3> origins = rays.field(&Ray::origin),
+                                  directions = rays.field(&Ray::direction);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      copy(origins.column(axis), order, origin[axis]);
+      copy(directions.column(axis), order, direction[axis]);
+    }
+    copy(rays.field(&Ray::t_max).column(0), order, t_max);
+    if (timed) {
+      copy(rays.field(&Ray::time).column(0), order, time);
+    } else {
+      for (std::size_t i = 0; i < padded(); i += kLaneCount) FloatN(0.0f).store(time + i);
+    }
   }
 
   RaySet all() const { return count == kSize ? ~RaySet{0} : (RaySet{1} << count) - 1; }
@@ -66,30 +82,26 @@ struct RayColumns {
   alignas(kVectorAlignment) float time[kSize];
 
  private:
-  template <typename RayAt>
-  void set_vector(std::size_t first, const RayAt& ray_at) {
-    if constexpr (std::is_same_v<AnyRay, Ray>) {
-      static_assert(std::is_lvalue_reference_v<decltype(ray_at(0))>);
-      // Loads rows of four numbers.
-      static_assert(offsetof(Ray, direction) == 3 * sizeof(float) && sizeof(Ray) == 8 * sizeof(float));
-      const auto rows = [&](std::size_t offset) {
-        return transposed([&](std::size_t k) { return reinterpret_cast<const float*>(&ray_at(k)) + offset; });
-      };
-      const auto [x, y, z, dx] = rows(0);
-      const auto [dy, dz, t, when] = rows(4);
-      x.store(origin[0] + first), y.store(origin[1] + first), z.store(origin[2] + first);
-      dx.store(direction[0] + first), dy.store(direction[1] + first), dz.store(direction[2] + first);
-      t.store(t_max + first), when.store(time + first);
+  std::size_t padded() const { return (count + kMaxVectorLanes - 1) / kMaxVectorLanes * kMaxVectorLanes; }
+
+  void set(std::size_t i, const AnyRay& ray) {
+    origin[0][i] = ray.origin.x, origin[1][i] = ray.origin.y, origin[2][i] = ray.origin.z;
+    direction[0][i] = ray.direction.x, direction[1][i] = ray.direction.y, direction[2][i] = ray.direction.z;
+    t_max[i] = ray.t_max, time[i] = ray.time;
+  }
+
+  // Numbers that are together in the column are read a vector at a time.
+  void copy(const float* column, std::span<const std::uint16_t> order, float* to) const {
+    std::size_t i = 0;
+    if (order.back() - order.front() + std::size_t{1} == count) {
+      for (const float* from = column + order.front(); i + kLaneCount <= count; i += kLaneCount)
+        FloatN::load_unaligned(from + i).store(to + i);
     } else {
-      for (std::size_t k = 0; k < 8; ++k) {
-        const AnyRay& ray = ray_at(k);
-        const std::size_t i = first + k;
-        origin[0][i] = ray.origin.x, origin[1][i] = ray.origin.y, origin[2][i] = ray.origin.z;
-        direction[0][i] = ray.direction.x, direction[1][i] = ray.direction.y,
-        direction[2][i] = ray.direction.z;
-        t_max[i] = ray.t_max, time[i] = ray.time;
-      }
+      for (; i + kLaneCount <= count; i += kLaneCount)
+        FloatN::gather(column, U32xN::load_shorts(&order[i]).v).store(to + i);
     }
+    for (; i < count; ++i) to[i] = column[order[i]];
+    std::fill(to + count, to + padded(), to[count - 1]);
   }
 };
 
@@ -110,12 +122,6 @@ inline int vectors_of(RaySet set) {
 template <typename What>
 void for_each_ray(RaySet set, const What& what) {
   for (; set != 0; set &= set - 1) what(static_cast<std::size_t>(std::countr_zero(set)));
-}
-
-// The octant that a direction points into: bit i is the sign of coordinate i.
-inline unsigned octant(const Ray& ray) {
-  static_assert(offsetof(Ray, t_max) == offsetof(Ray, direction) + 3 * sizeof(float));  // the fourth
-  return signs_of_four(&ray.direction.x) & 7u;
 }
 
 // Converts lanes to the other precision if necessary.

@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 
-#include "core/accel/box_test.hpp"
 #include "core/geometry/rounding.hpp"
 #include "core/geometry/triangle.hpp"
 
@@ -44,10 +43,11 @@ RayGroup<AnyRay>::RayGroup(const Columns& rays) : has_bounds_(true), count_(kLan
 
 template <typename AnyRay>
 void RayGroup<AnyRay>::set_axis(const Columns& rays, int axis, bool negative) {
-  near_side_[axis] = 3 * (negative ? BvhNode::kUpper : BvhNode::kLower) + axis;
-  far_side_[axis] = 3 * (negative ? BvhNode::kLower : BvhNode::kUpper) + axis;
+  sides_.set(axis, negative);
   for (std::size_t i = 0; i < count_; i += kLanes) {
-    store_origins(Lanes::load(rays.origin[axis] + i), axis, i, negative);
+    Origins::round(
+        Lanes::load(rays.origin[axis] + i), negative,
+        [&](std::size_t version, FloatVector origin) { origin.store(origin_[version][axis] + i); });
     const FloatVector inverse = in_float(Lanes(1.0f) / Lanes::load(rays.direction[axis] + i));
     inverse.store(inverse_[axis] + i);
     (inverse * FloatVector(kBoxSlack)).store(far_inverse_[axis] + i);
@@ -55,21 +55,10 @@ void RayGroup<AnyRay>::set_axis(const Columns& rays, int axis, bool negative) {
   set_bounds(axis, negative);
 }
 
-template <>
-void RayGroup<Ray>::store_origins(FloatVector origin, int axis, std::size_t first, bool) {
-  origin.store(origin_[kNear][axis] + first);
-}
-template <>
-void RayGroup<ObjectRay>::store_origins(DoubleVector origin, int axis, std::size_t first, bool negative) {
-  const FloatVector below = rounded_down(origin), above = -rounded_down(-origin);
-  (negative ? below : above).store(origin_[kNear][axis] + first);
-  (negative ? above : below).store(origin_[kFar][axis] + first);
-}
-
 template <typename AnyRay>
 void RayGroup<AnyRay>::set_bounds(int axis, bool negative) {
   const Bounds of_near = bounds_of(origin_[kNear][axis], count_);
-  const Bounds of_far = kOrigins == 1 ? of_near : bounds_of(origin_[kFar][axis], count_);
+  const Bounds of_far = Origins::kCount == 1 ? of_near : bounds_of(origin_[kFar][axis], count_);
   origin_bounds_[axis][0] = negative ? of_near.least : of_near.greatest;
   origin_bounds_[axis][1] = negative ? of_far.greatest : of_far.least;
   const Bounds of_inverse = bounds_of(inverse_[axis], count_);
@@ -124,7 +113,7 @@ void RayGroup<AnyRay>::prepare_filter(const Columns& rays) {
     origin_terms = max(max(magnitude(x), magnitude(y)) + FloatVector(2) * magnitude(z), origin_terms);
   }
   can_filter_ = all(all_in_range);
-  if (kOrigins == 2) origin_terms_ = greatest(origin_terms);
+  if (Origins::kCount == 2) origin_terms_ = greatest(origin_terms);
 }
 
 template <typename AnyRay>
@@ -142,55 +131,37 @@ unsigned RayGroup<AnyRay>::boxes_met(const BvhNode& node, float* t_near) const {
     std::fill_n(t_near, BvhNode::kWidth, 0.0f);
     return 0xffffu;
   }
-  // Rounding is monotonic, so the bounds never give a farther distance than any single ray.
-  unsigned met = 0;
-  for (std::size_t lane = 0; lane < BvhNode::kWidth; lane += kLanes) {
-    FloatVector near(0), far(std::numeric_limits<float>::max());
-    for (int axis = 0; axis < 3; ++axis) {
-      const FloatVector to_near =
-          FloatVector::load(node.bounds[near_side_[axis]] + lane) - FloatVector(origin_bounds_[axis][0]);
-      const FloatVector to_far =
-          FloatVector::load(node.bounds[far_side_[axis]] + lane) - FloatVector(origin_bounds_[axis][1]);
-      near = max(min(to_near * FloatVector(inverse_bounds_[axis][0]),
-                     to_near * FloatVector(inverse_bounds_[axis][1])),
-                 near);
-      far = min(max(to_far * FloatVector(far_inverse_bounds_[axis][0]),
-                    to_far * FloatVector(far_inverse_bounds_[axis][1])),
-                far);
-    }
-    near.store(t_near + lane);
-    met |= less_equal(near, far) << lane;
-  }
-  return met;
+  return core::boxes_met(AllRays{*this}, sides_, FloatVector(std::numeric_limits<float>::max()), node,
+                         t_near);
 }
 
 template <typename AnyRay>
 void RayGroup<AnyRay>::rays_meeting(const BvhNode& node, unsigned met, RaySet set,
                                     std::array<RaySet, BvhNode::kWidth>& meeting) const {
-  for (; met != 0; met &= met - 1) {
-    const int lane = std::countr_zero(met);
-    meeting[static_cast<std::size_t>(lane)] = rays_meeting_box(node, lane, set);
-  }
+  for_each_lane(met, [&](std::size_t lane) { meeting[lane] = rays_meeting_box(node, lane, set); });
 }
 
 template <typename AnyRay>
-RaySet RayGroup<AnyRay>::rays_meeting_box(const BvhNode& node, int lane, RaySet set) const {
+RaySet RayGroup<AnyRay>::rays_meeting_box(const BvhNode& node, std::size_t lane, RaySet set) const {
+  struct Box {
+    Box(const BvhNode& node, const SlabSides& sides, std::size_t lane) {
+      for (int axis = 0; axis < 3; ++axis) {
+        nears[axis] = FloatVector(node.bounds[sides.near[axis]][lane]);
+        fars[axis] = FloatVector(node.bounds[sides.far[axis]][lane]);
+      }
+    }
+    FloatVector near(int axis) const { return nears[axis]; }
+    FloatVector far(int axis) const { return fars[axis]; }
+
+    FloatVector nears[3], fars[3];
+  };
+  const Box box(node, sides_, lane);
   RaySet meeting = 0;
-  FloatVector planes_near[3], planes_far[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    planes_near[axis] = FloatVector(node.bounds[near_side_[axis]][lane]);
-    planes_far[axis] = FloatVector(node.bounds[far_side_[axis]][lane]);
-  }
   for (std::size_t v = 0; v < kVectors; ++v) {
     if (lanes_of(set, v) == 0) continue;
-    FloatVector near(0), far = FloatVector::load(limit_ + kLanes * v);
-    for (int axis = 0; axis < 3; ++axis) {
-      const FloatVector of_near = FloatVector::load(origin_[kNear][axis] + kLanes * v);
-      const FloatVector of_far = FloatVector::load(origin_[kFar][axis] + kLanes * v);
-      near = max((planes_near[axis] - of_near) * FloatVector::load(inverse_[axis] + kLanes * v), near);
-      far = min((planes_far[axis] - of_far) * FloatVector::load(far_inverse_[axis] + kLanes * v), far);
-    }
-    meeting |= RaySet{less_equal(near, far)} << (kLanes * v);
+    const std::size_t first = kLanes * v;
+    const SlabInterval inside = inside_slabs(RayVector{*this, first}, FloatVector::load(limit_ + first), box);
+    meeting |= to_set(inside.met(), v);
   }
   return meeting & set;
 }

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests a group of rays that point into one octant against boxes: a vector of rays or of boxes at once, or
-// all rays together by bounds of their origins and directions. AnyRay is Ray or ObjectRay; the latter has
-// double origins, which are rounded so that boxes begin earlier and end later.
+// all rays together by bounds of their origins and directions. AnyRay is Ray or ObjectRay.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <type_traits>
 
-#include "core/accel/box_test.hpp"
 #include "core/accel/bvh_layout.hpp"
 #include "core/accel/ray_columns.hpp"
+#include "core/accel/slab_test.hpp"
 #include "core/accel/triangle_filter.hpp"
 
 namespace tessera::core {
@@ -27,29 +25,14 @@ class RayGroup {
 
   // The mask of a node's boxes that a ray meets, and their entry distances.
   unsigned boxes_met_by(std::size_t ray, const BvhNode& node, float* t_near) const {
-    unsigned met = 0;
-    for (std::size_t lane = 0; lane < BvhNode::kWidth; lane += kLanes) {
-      FloatVector near(0), far(limit_[ray]);
-      for (int axis = 0; axis < 3; ++axis) {
-        const FloatVector of_near(origin_[kNear][axis][ray]), of_far(origin_[kFar][axis][ray]);
-        near = max((FloatVector::load(node.bounds[near_side_[axis]] + lane) - of_near) *
-                       FloatVector(inverse_[axis][ray]),
-                   near);
-        far = min((FloatVector::load(node.bounds[far_side_[axis]] + lane) - of_far) *
-                      FloatVector(far_inverse_[axis][ray]),
-                  far);
-      }
-      near.store(t_near + lane);
-      met |= less_equal(near, far) << lane;
-    }
-    return met;
+    return core::boxes_met(OneRay{*this, ray}, sides_, FloatVector(limit_[ray]), node, t_near);
   }
 
   // The distance at which a ray enters the box in a lane that it meets.
   float entry_into(const BvhNode& node, std::size_t lane, std::size_t ray) const {
     float near = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      const float plane = node.bounds[near_side_[axis]][lane];
+      const float plane = node.bounds[sides_.near[axis]][lane];
       near = std::max(near, (plane - origin_[kNear][axis][ray]) * inverse_[axis][ray]);
     }
     return near;
@@ -92,22 +75,66 @@ class RayGroup {
   bool can_filter() const { return can_filter_; }
 
  private:
-  RaySet rays_meeting_box(const BvhNode& node, int lane, RaySet set) const;
   using Lanes = typename Columns::Lanes;
-  // Two versions of each origin, relative to which near and far sides of boxes are taken. A Ray's origin is
-  // exact, so one suffices.
-  static constexpr int kOrigins = std::is_same_v<AnyRay, Ray> ? 1 : 2, kNear = 0, kFar = kOrigins - 1;
+  using Origins = SlabOrigins<AnyRay>;
+  static constexpr std::size_t kNear = Origins::kNear, kFar = Origins::kFar;
+
+  // For inside_slabs: one ray in every lane.
+  struct OneRay {
+    FloatVector enter(int axis, FloatVector plane) const {
+      return (plane - FloatVector(group.origin_[kNear][axis][ray])) * FloatVector(group.inverse_[axis][ray]);
+    }
+    FloatVector leave(int axis, FloatVector plane) const {
+      return (plane - FloatVector(group.origin_[kFar][axis][ray])) *
+             FloatVector(group.far_inverse_[axis][ray]);
+    }
+
+    const RayGroup& group;
+    std::size_t ray;
+  };
+  // The rays of a vector.
+  struct RayVector {
+    static FloatVector at(const float* values, std::size_t first) {
+      return FloatVector::load(values + first);
+    }
+    FloatVector enter(int axis, FloatVector plane) const {
+      return (plane - at(group.origin_[kNear][axis], first)) * at(group.inverse_[axis], first);
+    }
+    FloatVector leave(int axis, FloatVector plane) const {
+      return (plane - at(group.origin_[kFar][axis], first)) * at(group.far_inverse_[axis], first);
+    }
+
+    const RayGroup& group;
+    std::size_t first;
+  };
+  // Bounds of all rays, in every lane. Rounding is monotonic, so these never enter later nor leave earlier
+  // than any single ray.
+  struct AllRays {
+    FloatVector enter(int axis, FloatVector plane) const {
+      const FloatVector to = plane - FloatVector(group.origin_bounds_[axis][0]);
+      return min(to * FloatVector(group.inverse_bounds_[axis][0]),
+                 to * FloatVector(group.inverse_bounds_[axis][1]));
+    }
+    FloatVector leave(int axis, FloatVector plane) const {
+      const FloatVector to = plane - FloatVector(group.origin_bounds_[axis][1]);
+      return max(to * FloatVector(group.far_inverse_bounds_[axis][0]),
+                 to * FloatVector(group.far_inverse_bounds_[axis][1]));
+    }
+
+    const RayGroup& group;
+  };
+
+  RaySet rays_meeting_box(const BvhNode& node, std::size_t lane, RaySet set) const;
 
   // Sets and bounds the origins and inverse directions of one axis; `negative` is the sign of the
   // directions.
   void set_axis(const Columns& rays, int axis, bool negative);
   void set_bounds(int axis, bool negative);
-  void store_origins(Lanes origin, int axis, std::size_t first, bool negative);
   void prepare_filter(const Columns& rays);
   void choose_filter_axes(const Columns& rays);
   Lanes filter_inverse(const Columns& rays, std::size_t first) const;
 
-  int near_side_[3], far_side_[3];  // rows of BvhNode::bounds
+  SlabSides sides_;
   // Bounds over all rays. Those of origins are ordered along the rays: near sides of boxes are taken
   // relative to the first, far sides relative to the second.
   float origin_bounds_[3][2], inverse_bounds_[3][2], far_inverse_bounds_[3][2];
@@ -116,7 +143,7 @@ class RayGroup {
   int filter_axes_[3];
   float origin_terms_ = 0;  // the largest FilterRays::origin_terms
   std::size_t count_;       // rounded up to whole vectors
-  alignas(kVectorAlignment) float origin_[kOrigins][3][kSize];
+  alignas(kVectorAlignment) float origin_[Origins::kCount][3][kSize];
   alignas(kVectorAlignment) float inverse_[3][kSize];
   alignas(kVectorAlignment) float far_inverse_[3][kSize];
   alignas(kVectorAlignment) float limit_[kSize];

@@ -21,7 +21,7 @@ class ShearedGroup {
   // The coordinate that is a ray's x, y or z: 0, 1 or 2.
   int axis(std::size_t ray, int xyz) const { return kTurned[z_axis(ray)][xyz]; }
 
-  // Gathers rays by index, one in each lane of D (Double4 or Double8); or loads consecutive rays from
+  // Gathers rays by index, one in each lane of D (DoubleHalf or DoubleN); or loads consecutive rays from
   // `first` on, a multiple of the lanes of D.
   template <typename D>
   ShearedRaysOf<D> rays(const std::array<std::size_t, D::kLanes>& of) const {
@@ -32,8 +32,8 @@ class ShearedGroup {
     return with<D>([first](const double* values) { return D::load(values + first); });
   }
   // Ray i in all lanes.
-  ShearedRaysOf<Double4> rays_like(std::size_t i) const {
-    return with<Double4>([i](const double* values) { return Double4(values[i]); });
+  ShearedRaysOf<DoubleHalf> rays_like(std::size_t i) const {
+    return with<DoubleHalf>([i](const double* values) { return DoubleHalf(values[i]); });
   }
 
   // The corners of triangles, one in each lane, along the axes of rays. `lanes[k]` points to the first x of

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Four or eight ray-triangle pairs at once (D is Double4 or Double8). Each lane performs the operations of
+// A vector of ray-triangle pairs (D is DoubleHalf or DoubleN). Each lane performs the operations of
 // intersect_triangle (core/geometry/triangle.hpp), so the hits are bit-identical.
 #pragma once
 

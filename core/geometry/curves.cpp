@@ -190,9 +190,10 @@ void Curves::load(Source source, CurvePart& cubic) const {
   const ControlPoint* const points = &points_[source.first_point];
   const std::size_t count = stride_of(set.basis).points;
   for (std::size_t i = 0; i < 4; ++i) {
-    Double4 sum = Double4(weights[i][0]) * Double4::load(&points[0].x) +
-                  Double4(weights[i][1]) * Double4::load(&points[1].x);
-    for (std::size_t k = 2; k < count; ++k) sum = sum + Double4(weights[i][k]) * Double4::load(&points[k].x);
+    DoubleHalf sum = DoubleHalf(weights[i][0]) * DoubleHalf::load(&points[0].x) +
+                     DoubleHalf(weights[i][1]) * DoubleHalf::load(&points[1].x);
+    for (std::size_t k = 2; k < count; ++k)
+      sum = sum + DoubleHalf(weights[i][k]) * DoubleHalf::load(&points[k].x);
     alignas(32) double values[4];
     sum.store(values);
     cubic.points[i] = {values[0], values[1], values[2]};

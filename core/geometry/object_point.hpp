@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The surface at a hit in double, in object space and transformed to world space. T is float (one hit) or
-// Float8 (eight hits).
+// FloatN (hits in lanes).
 #pragma once
 
 #include <array>

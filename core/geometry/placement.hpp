@@ -9,7 +9,7 @@
 
 namespace tessera::core {
 
-// An affine map and the inverse of its linear part. D is double, or Double8 for a map in each lane, which is
+// An affine map and the inverse of its linear part. D is double, or DoubleN for a map in each lane, which is
 // bit-identical to that map alone.
 template <typename D>
 struct AffineMapOf {
@@ -63,7 +63,7 @@ class Placement {
   Vec3d normal(Vec3d n) const { return map_.normal(n); }
   Vec3d error_terms(Vec3d terms) const { return map_.error_terms(terms); }
 
-  // World space to object space, for a ray or its parts. Vector versions (D is Double8 or Double16) are
+  // World space to object space, for a ray or its parts. Vector versions (D is DoubleN or DoubleVector) are
   // bit-identical.
   ObjectRay to_object(const Ray& ray) const;
   template <typename D>

@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "core/geometry/geometry_traits.hpp"
 #include "core/geometry/object_point.hpp"
-#include "core/geometry/rounding.hpp"
 #include "core/math/elementary.hpp"
 
 namespace tessera::core {
@@ -20,17 +19,6 @@ void append(std::vector<T>& all, std::vector<T> more) {
   } else {
     all.insert(all.end(), more.begin(), more.end());
   }
-}
-
-// Rounded outwards, and finite however large the sphere.
-Aabb sphere_bounds(const Sphere& sphere) {
-  constexpr float kLargest = std::numeric_limits<float>::max();
-  Aabb box;
-  for (int axis = 0; axis < 3; ++axis) {
-    box.lower[axis] = std::max(next_float_down(sphere.center[axis] - sphere.radius), -kLargest);
-    box.upper[axis] = std::min(next_float_up(sphere.center[axis] + sphere.radius), kLargest);
-  }
-  return box;
 }
 
 }  // namespace
@@ -182,65 +170,31 @@ double Primitives::bounding_radius() const {
 
 Aabb Primitives::bounds(std::uint32_t primitive) const {
   if (is_instance(primitive)) return instance_bounds_[instance_number(primitive)];
-  if (is_sphere(primitive)) return can_be_hit(sphere(primitive)) ? sphere_bounds(sphere(primitive)) : Aabb{};
-  if (is_disk(primitive)) return disk(primitive).can_be_hit() ? disk(primitive).bounds() : Aabb{};
-  if (is_cylinder(primitive)) return cylinder(primitive).bounds();
-  if (is_curve(primitive)) return curve(primitive).bounds();
-  if (is_moving_triangle(primitive)) return moving_triangle_bounds(primitive);
-  Aabb box;
-  const TriangleCorners corners = triangle_corners(primitive);
-  if (!can_be_hit(corners)) return box;
-  for (const Vec3& corner : corners) box.include(corner);
-  return box;
+  return with_traits(kind(primitive), [&](auto traits) { return traits.bounds(*this, primitive); });
 }
 
 double Primitives::area(std::uint32_t primitive) const {
-  if (is_sphere(primitive)) {
-    const auto radius = static_cast<double>(sphere(primitive).radius);
-    return 4 * static_cast<double>(kPi) * radius * radius;
-  }
-  if (is_disk(primitive)) return disk(primitive).area();
-  if (is_cylinder(primitive)) return cylinder(primitive).area();
-  if (is_curve(primitive)) return 0;
-  const auto [p0, p1, p2] = triangle_corners(primitive);
-  return static_cast<double>(length(cross(Vec3d(p1) - Vec3d(p0), Vec3d(p2) - Vec3d(p0)))) / 2;
+  return with_traits(kind(primitive), [&](auto traits) -> double { return traits.area(*this, primitive); });
 }
 
-std::uint32_t Primitives::material(const Hit& hit) const {
-  if (!hit.in_instance()) return material(hit.primitive);
-  const Instance& shown = instances_[hit.instance];
-  return shown.material == kOwnMaterials ? object_of(shown).material(hit.primitive) : shown.material;
+std::optional<Hit> Primitives::line_hit(GeometryKind kind, std::uint32_t primitive, const Ray& ray) const {
+  return with_traits(kind, [&](auto traits) { return traits.line_hit(*this, primitive, ray); });
 }
 
-bool Primitives::intersect(std::uint32_t primitive, const Ray& ray, Hit& hit) const {
-  return is_instance(primitive) ? intersect_instance(instance_number(primitive), ray, hit)
-                                : intersect_shape(primitive, ray, hit);
+std::optional<Hit> Primitives::line_hit(GeometryKind kind, std::uint32_t primitive,
+                                        const ObjectRay& ray) const {
+  return with_traits(kind, [&](auto traits) { return traits.line_hit(*this, primitive, ray); });
 }
 
-bool Primitives::intersect(std::uint32_t primitive, const ObjectRay& ray, Hit& hit) const {
-  return intersect_shape(primitive, ray, hit);
+bool Primitives::intersect(std::uint32_t primitive, const Ray& ray, Hit& best) const {
+  if (is_instance(primitive)) return intersect_instance(instance_number(primitive), ray, best);
+  const auto found = line_hit(kind(primitive), primitive, ray);
+  return found && best.improve(ray, *found);
 }
 
-template <typename AnyRay>
-bool Primitives::intersect_shape(std::uint32_t primitive, const AnyRay& ray, Hit& hit) const {
-  if (is_sphere(primitive)) {
-    const auto t = intersect_sphere(ray, sphere(primitive));
-    return t && hit.improve(ray, {static_cast<float>(*t), primitive, 0, 0});
-  }
-  if (is_disk(primitive)) {
-    const auto found = disk(primitive).intersect(ObjectRay(ray));
-    return found && hit.improve(ray, {static_cast<float>(found->t), primitive, 0, 0});
-  }
-  if (is_cylinder(primitive)) {
-    const auto found = cylinder(primitive).intersect(ObjectRay(ray));
-    return found && hit.improve(ray, {static_cast<float>(found->t), primitive, 0, 0});
-  }
-  if (is_curve(primitive)) return intersect_curve(primitive, curve_source(primitive), ray, hit);
-  const TriangleCorners corners = triangle_corners(primitive, ray.time);
-  const auto found = intersect_triangle(ShearedRay(ray), corners);
-  return found && can_be_hit(corners) &&
-         hit.improve(ray, {found->t, primitive, found->b1, found->b2, kNoInstance,
-                           is_moving_triangle(primitive) ? ray.time : 0});
+bool Primitives::intersect(std::uint32_t primitive, const ObjectRay& ray, Hit& best) const {
+  const auto found = line_hit(kind(primitive), primitive, ray);
+  return found && best.improve(ray, *found);
 }
 
 bool Primitives::intersect_instance(std::uint32_t number, const Ray& ray, Hit& hit) const {
@@ -270,12 +224,7 @@ SurfacePoint Primitives::instance_surface(const Ray& ray, const Hit& hit) const 
 
 template <typename AnyRay>
 Primitives::ObjectPoint Primitives::shape_point(const AnyRay& ray, const Hit& hit) const {
-  if (is_triangle(hit.primitive)) return triangle_point(hit);
-  if (is_sphere(hit.primitive)) return sphere_point(ray, hit);
-  if (is_curve(hit.primitive))
-    return curves_.point(hit.primitive - first_curve(), ObjectRay(ray), hit.b1, hit.b2);
-  return is_disk(hit.primitive) ? disk(hit.primitive).point(ObjectRay(ray))
-                                : cylinder(hit.primitive).point(ObjectRay(ray));
+  return with_traits(kind(hit.primitive), [&](auto traits) { return traits.point(*this, ray, hit); });
 }
 
 Primitives::ObjectPoint Primitives::triangle_point(const Hit& hit) const {
@@ -293,11 +242,6 @@ Primitives::ObjectPoint Primitives::triangle_point(const Hit& hit) const {
     at_hit.normals = moving.normals;
   }
   return point_of_triangle(at_hit);
-}
-
-template <typename AnyRay>
-Primitives::ObjectPoint Primitives::sphere_point(const AnyRay& ray, const Hit& hit) const {
-  return point_of_sphere(sphere(hit.primitive), Vec3d(ray.origin), Vec3d(ray.direction), hit.t);
 }
 
 Tangents Primitives::tangents(const Hit& hit, const SurfacePoint& point, UvSet set) const {
@@ -357,22 +301,8 @@ UvDerivatives Primitives::uv_derivatives(const Hit& hit, const SurfacePoint& poi
 }
 
 Primitives::ModelTangents Primitives::model_tangents(const Hit& hit, Vec3 normal, Vec2 uv, UvSet set) const {
-  const std::uint32_t primitive = hit.primitive;
-  if (is_triangle(primitive)) return triangle_tangents(hit, set);
-  if (!is_sphere(primitive)) {
-    const auto [along_u, along_v] = analytic_derivatives(primitive, normal, uv);
-    return {along_u, along_v, 1};
-  }
-  const auto [east, north] = sphere_tangents(normal);
-  const double half_turn = static_cast<double>(kPi) * static_cast<double>(sphere(primitive).radius);
-  const double equatorial = length(Vec3d(normal.x, 0, normal.z));
-  return {2 * half_turn * equatorial * Vec3d(east), half_turn * Vec3d(north), 1};
-}
-
-WideDerivatives Primitives::analytic_derivatives(std::uint32_t primitive, Vec3 normal, Vec2 uv) const {
-  if (is_disk(primitive)) return disk(primitive).derivatives(uv);
-  if (is_curve(primitive)) return curves_.derivatives(primitive - first_curve(), normal, uv);
-  return cylinder(primitive).derivatives(uv);
+  return with_traits(kind(hit.primitive),
+                     [&](auto traits) { return traits.tangents(*this, hit, normal, uv, set); });
 }
 
 Vec2 Primitives::second_uv_at(const Hit& hit, Vec2 uv) const {

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/base/prefetch.hpp"
@@ -16,6 +17,7 @@
 #include "core/geometry/curves.hpp"
 #include "core/geometry/cylinder.hpp"
 #include "core/geometry/disk.hpp"
+#include "core/geometry/geometry_kind.hpp"
 #include "core/geometry/instance.hpp"
 #include "core/geometry/moving_placement.hpp"
 #include "core/geometry/object_point.hpp"
@@ -25,9 +27,10 @@
 #include "core/geometry/surface.hpp"
 #include "core/geometry/triangle.hpp"
 #include "core/geometry/vertex_motion.hpp"
+#include "core/math/columns.hpp"
 #include "core/math/lane_array.hpp"
 #include "core/math/rgb.hpp"
-#include "core/math/simd_double8.hpp"
+#include "core/math/simd_double.hpp"
 #include "core/math/uv_sets.hpp"
 #include "core/math/vec3.hpp"
 
@@ -37,9 +40,9 @@ namespace tessera::core {
 // distances stay finite in float. Intersection itself is safe for any finite float.
 inline constexpr float kMaxCoordinate = 1e15f;
 
-// One in each lane.
-using RayPointers = std::array<const Ray*, kLaneCount>;
-using HitPointers = std::array<const Hit*, kLaneCount>;
+// A ray and a hit in each lane.
+using RayRows = RowLanes<Ray>;
+using HitRows = RowLanes<Hit>;
 
 class Primitives {
  public:
@@ -93,6 +96,14 @@ class Primitives {
   // All primitives but instances.
   std::uint32_t shape_count() const { return first_curve() + curves_.part_count(); }
   std::uint32_t count() const { return shape_count() + instance_count(); }
+  GeometryKind kind(std::uint32_t primitive) const {
+    if (is_triangle(primitive))
+      return is_moving_triangle(primitive) ? GeometryKind::kMovingTriangle : GeometryKind::kTriangle;
+    if (is_instance(primitive)) return GeometryKind::kInstance;
+    if (is_curve(primitive)) return GeometryKind::kCurve;
+    if (is_sphere(primitive)) return GeometryKind::kSphere;
+    return is_disk(primitive) ? GeometryKind::kDisk : GeometryKind::kCylinder;
+  }
   bool is_triangle(std::uint32_t primitive) const { return primitive < triangle_count(); }
   // Whether it is a triangle that deforms while the shutter is open.
   bool is_moving_triangle(std::uint32_t primitive) const {
@@ -131,7 +142,11 @@ class Primitives {
     return is_curve(primitive) ? curves_.material(primitive - first_curve())
                                : analytic_materials_[primitive - triangle_count()];
   }
-  std::uint32_t material(const Hit& hit) const;
+  std::uint32_t material(const Hit& hit) const {
+    if (!hit.in_instance()) return material(hit.primitive);
+    const Instance& shown = instances_[hit.instance];
+    return shown.material == kOwnMaterials ? object_of(shown).material(hit.primitive) : shown.material;
+  }
   // Whose ids a hit's `primitive` is: the object of its instance, or these primitives.
   const Primitives& owner(const Hit& hit) const {
     return hit.in_instance() ? object_of(instances_[hit.instance]) : *this;
@@ -169,7 +184,7 @@ class Primitives {
   const Disk& disk(std::uint32_t primitive) const { return disks_[primitive - first_disk()]; }
   const Cylinder& cylinder(std::uint32_t primitive) const { return cylinders_[primitive - first_cylinder()]; }
   CurvePart curve(std::uint32_t primitive) const { return curves_.part(primitive - first_curve()); }
-  // For intersect_curve(), and to prefetch what it reads.
+  // For curve_line_hit(), and to prefetch what it reads.
   Curves::Source curve_source(std::uint32_t primitive) const {
     return curves_.source(primitive - first_curve());
   }
@@ -188,12 +203,17 @@ class Primitives {
   // t < ray.t_max. Returns whether it did.
   bool intersect(std::uint32_t primitive, const Ray& ray, Hit& hit) const;
   bool intersect(std::uint32_t primitive, const ObjectRay& ray, Hit& hit) const;
+  // The hit of the line in front of the origin, wherever the ray ends, by the kind of a primitive that is no
+  // instance.
+  std::optional<Hit> line_hit(GeometryKind kind, std::uint32_t primitive, const Ray& ray) const;
+  std::optional<Hit> line_hit(GeometryKind kind, std::uint32_t primitive, const ObjectRay& ray) const;
   // The same for a part of a curve, whose source is given.
   template <typename AnyRay>
-  bool intersect_curve(std::uint32_t primitive, Curves::Source source, const AnyRay& ray, Hit& hit) const {
-    const auto found = core::intersect_curve(curves_.part(primitive - first_curve(), source), ObjectRay(ray));
-    return found && hit.improve(ray, {static_cast<float>(found->t), primitive, static_cast<float>(found->u),
-                                      static_cast<float>(found->across)});
+  std::optional<Hit> curve_line_hit(std::uint32_t primitive, Curves::Source source, const AnyRay& ray) const {
+    const auto found = intersect_curve(curves_.part(primitive - first_curve(), source), ObjectRay(ray));
+    if (!found) return std::nullopt;
+    return Hit{static_cast<float>(found->t), primitive, static_cast<float>(found->u),
+               static_cast<float>(found->across)};
   }
 
   // The surface where `ray` met it; `hit` is the result of intersect() for this ray. Meshes without uvs
@@ -201,9 +221,9 @@ class Primitives {
   SurfacePoint surface(const Ray& ray, const Hit& hit) const;
   // The surface in each lane, bit-identical to surface() of that lane's ray and hit. Primitives of any kinds,
   // inside and outside instances, may be mixed (surface_lanes.cpp says how to add a kind).
-  SurfacePointOf<Float8> surfaces(const RayPointers& rays, const HitPointers& hits) const;
+  SurfacePointOf<FloatN> surfaces(const RayRows& rays, const HitRows& hits) const;
   // The same where is_plain_triangle() holds in all lanes.
-  SurfacePointOf<Float8> triangle_surfaces(const HitPointers& hits) const;
+  SurfacePointOf<FloatN> triangle_surfaces(const HitRows& hits) const;
   // The tangents at `point`, the result of surface() for the same hit, by a set of texture coordinates.
   Tangents tangents(const Hit& hit, const SurfacePoint& point, UvSet set = UvSet::kFirst) const;
   UvDerivatives uv_derivatives(const Hit& hit, const SurfacePoint& point, UvSet set = UvSet::kFirst) const;
@@ -215,8 +235,8 @@ class Primitives {
     return has_second_uvs_ ? UvSets(uv, second_uv_at(hit, uv)) : UvSets(uv);
   }
   // The same for the hit in each lane.
-  UvSetsOf<Float8> uv_sets(const HitPointers& hits, Vec2Of<Float8> uv) const {
-    return has_second_uvs_ ? UvSetsOf<Float8>(uv, second_uvs_at(hits, uv)) : UvSetsOf<Float8>(uv);
+  UvSetsOf<FloatN> uv_sets(const HitRows& hits, Vec2Of<FloatN> uv) const {
+    return has_second_uvs_ ? UvSetsOf<FloatN>(uv, second_uvs_at(hits, uv)) : UvSetsOf<FloatN>(uv);
   }
 
   // Whether any mesh has vertex colours, including objects' meshes.
@@ -224,7 +244,7 @@ class Primitives {
   // The vertex colour interpolated at a hit; white if the mesh has none.
   Rgb vertex_color(const Hit& hit) const { return has_vertex_colors_ ? color_at(hit) : Rgb::gray(1); }
   // The same for the hit in each lane.
-  RgbOf<Float8> vertex_colors(const HitPointers& hits) const;
+  RgbOf<FloatN> vertex_colors(const HitRows& hits) const;
 
  private:
   using ObjectPoint = ObjectPointOf<float>;
@@ -245,8 +265,10 @@ class Primitives {
   // Boxes of an object's parts, which bound its instances more tightly than its transformed bounding box.
   using Outline = std::vector<Aabb>;
 
-  template <typename AnyRay>
-  bool intersect_shape(std::uint32_t primitive, const AnyRay& ray, Hit& hit) const;
+  template <GeometryKind kKind>
+  struct Traits;
+  template <typename What>
+  static decltype(auto) with_traits(GeometryKind kind, const What& what);
   bool intersect_instance(std::uint32_t number, const Ray& ray, Hit& hit) const;
   ObjectPoint triangle_point(const Hit& hit) const;
   const DeformingMesh& mesh_of(std::uint32_t moving_triangle) const;
@@ -255,8 +277,6 @@ class Primitives {
   // Of any shape.
   template <typename AnyRay>
   ObjectPoint shape_point(const AnyRay& ray, const Hit& hit) const;
-  template <typename AnyRay>
-  ObjectPoint sphere_point(const AnyRay& ray, const Hit& hit) const;
   std::uint32_t first_disk() const { return triangle_count() + sphere_count(); }
   std::uint32_t first_cylinder() const { return first_disk() + static_cast<std::uint32_t>(disks_.size()); }
   std::uint32_t first_curve() const {
@@ -275,26 +295,23 @@ class Primitives {
   };
   static constexpr std::size_t kSurfaceKinds = 7;
   SurfaceKind surface_kind(const Hit& hit) const;
-  SurfacePointOf<Float8> surfaces_of(SurfaceKind kind, unsigned lanes, const RayPointers& rays,
-                                     const HitPointers& hits) const;
-  AffineMapOf<Double8> placements_of(const HitPointers& hits) const;
-  SurfacePointOf<Float8> instanced_triangle_surfaces(const HitPointers& hits) const;
-  ObjectPointOf<Float8> moving_triangle_points(const HitPointers& hits) const;
-  SurfacePointOf<Float8> sphere_surfaces(const RayPointers& rays, const HitPointers& hits) const;
-  SurfacePointOf<Float8> instanced_sphere_surfaces(const RayPointers& rays, const HitPointers& hits) const;
-  SurfacePointOf<Float8> surfaces_one_by_one(unsigned lanes, const RayPointers& rays,
-                                             const HitPointers& hits) const;
+  SurfacePointOf<FloatN> surfaces_of(SurfaceKind kind, unsigned lanes, const RayRows& rays,
+                                     const HitRows& hits) const;
+  AffineMapOf<DoubleN> placements_of(const HitRows& hits) const;
+  SurfacePointOf<FloatN> instanced_triangle_surfaces(const HitRows& hits) const;
+  ObjectPointOf<FloatN> moving_triangle_points(const HitRows& hits) const;
+  SurfacePointOf<FloatN> sphere_surfaces(const RayRows& rays, const HitRows& hits) const;
+  SurfacePointOf<FloatN> instanced_sphere_surfaces(const RayRows& rays, const HitRows& hits) const;
+  SurfacePointOf<FloatN> surfaces_one_by_one(unsigned lanes, const RayRows& rays, const HitRows& hits) const;
   ModelTangents triangle_tangents(const Hit& hit, UvSet set) const;
   Tangents instance_tangents(const Hit& hit, const SurfacePoint& point, UvSet set) const;
   // The tangents of the shape that was hit, at its object-space normal and texture coordinates.
   ModelTangents model_tangents(const Hit& hit, Vec3 normal, Vec2 uv, UvSet set) const;
-  // Of disks, cylinders and curves.
-  WideDerivatives analytic_derivatives(std::uint32_t primitive, Vec3 normal, Vec2 uv) const;
   Rgb color_at(const Hit& hit) const;
   void append_second_uvs(const std::vector<Vec2>& second_uvs, std::size_t first_vertex);
   // `uv` where the surface has no second set.
   Vec2 second_uv_at(const Hit& hit, Vec2 uv) const;
-  Vec2Of<Float8> second_uvs_at(const HitPointers& hits, Vec2Of<Float8> uv) const;
+  Vec2Of<FloatN> second_uvs_at(const HitRows& hits, Vec2Of<FloatN> uv) const;
   Outline outline() const;
   Aabb instance_box(const Instance& instance) const;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray-sphere intersection, in double from float data. T is float for one pair, or Float8
-// (core/math/simd_double8.hpp) or Float16 for many.
+// Ray-sphere intersection, in double from float data. T is float for one pair, or FloatN
+// (core/math/simd_double.hpp) or FloatVector for many.
 #pragma once
 
 #include <cmath>

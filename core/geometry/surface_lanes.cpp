@@ -18,71 +18,59 @@ namespace {
 
 constexpr unsigned kAllLanes = (1u << kLaneCount) - 1;
 
-Vec3Of<Float8> look_up_vectors(const std::vector<Vec3>& table, U32x8 index) {
+Vec3Of<FloatN> look_up_vectors(const std::vector<Vec3>& table, U32xN index) {
   const auto [x, y, z] = look_up_row<3>(&table[0].x, index * 3u);
   return {x, y, z};
 }
-Vec2Of<Float8> look_up_vectors(const std::vector<Vec2>& table, U32x8 index) {
+Vec2Of<FloatN> look_up_vectors(const std::vector<Vec2>& table, U32xN index) {
   const auto [x, y] = look_up_row<2>(&table[0].x, index * 2u);
   return {x, y};
 }
 
 // Fills the lanes outside a set with one of the set's lanes.
-template <typename Pointers>
-Pointers filled(Pointers all, unsigned set) {
-  const auto some = static_cast<std::size_t>(std::countr_zero(set));
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-    if ((set >> lane & 1) == 0) all[lane] = all[some];
-  return all;
+template <typename Rows>
+Rows filled(const Rows& all, unsigned set) {
+  return all.filled(set, static_cast<std::size_t>(std::countr_zero(set)));
 }
 
-// Sets the barycentric coordinates.
-void set_barycentrics(const HitPointers& hits, TriangleAtHit<Float8>& at_hit) {
-  FloatLanes b1, b2;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    b1.set(lane, hits[lane]->b1);
-    b2.set(lane, hits[lane]->b2);
-  }
-  at_hit.b1 = b1.all();
-  at_hit.b2 = b2.all();
+void set_barycentrics(const HitRows& hits, TriangleAtHit<FloatN>& at_hit) {
+  at_hit.b1 = hits.all(&Hit::b1);
+  at_hit.b2 = hits.all(&Hit::b2);
 }
 
 // A coordinate vector of a map, of the maps in all lanes.
 template <typename Member>
-Vec3dOf<Double8> gathered(const std::array<const AffineMapOf<double>*, kLaneCount>& maps, Member member) {
+Vec3dOf<DoubleN> gathered(const std::array<const AffineMapOf<double>*, kLaneCount>& maps, Member member) {
   alignas(64) double x[kLaneCount], y[kLaneCount], z[kLaneCount];
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     const Vec3d& v = maps[lane]->*member;
     x[lane] = v.x, y[lane] = v.y, z[lane] = v.z;
   }
-  return {Double8::load(x), Double8::load(y), Double8::load(z)};
+  return {DoubleN::load(x), DoubleN::load(y), DoubleN::load(z)};
 }
 
-using WideLanes = Vec3dOf<Double8>;
+using WideLanes = Vec3dOf<DoubleN>;
 
 // What a ray hits of a sphere, and where from.
 struct SpheresAtHits {
   // sphere_at(lane) is the sphere in a lane.
   template <typename SphereAt>
-  SpheresAtHits(const RayPointers& rays, const HitPointers& hits, const SphereAt& sphere_at) {
-    Vec3Lanes origins, directions, centers;
-    FloatLanes radii, distances;
+  SpheresAtHits(const RayRows& rays, const HitRows& hits, const SphereAt& sphere_at) {
+    Vec3Lanes centers;
+    FloatLanes radii;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-      origins.set(lane, rays[lane]->origin);
-      directions.set(lane, rays[lane]->direction);
-      distances.set(lane, hits[lane]->t);
       const Sphere& sphere = sphere_at(lane);
       centers.set(lane, sphere.center);
       radii.set(lane, sphere.radius);
     }
-    origin = WideLanes(origins.all()), direction = WideLanes(directions.all());
-    t = distances.all();
+    origin = WideLanes(rays.all(&Ray::origin)), direction = WideLanes(rays.all(&Ray::direction));
+    t = hits.all(&Hit::t);
     spheres = {centers.all(), radii.all()};
   }
 
   WideLanes origin, direction;
-  Float8 t;
-  SphereOf<Float8> spheres;
+  FloatN t;
+  SphereOf<FloatN> spheres;
 };
 
 }  // namespace
@@ -96,8 +84,8 @@ Primitives::SurfaceKind Primitives::surface_kind(const Hit& hit) const {
   return kOtherSurface;
 }
 
-SurfacePointOf<Float8> Primitives::surfaces_of(SurfaceKind kind, unsigned lanes, const RayPointers& rays,
-                                               const HitPointers& hits) const {
+SurfacePointOf<FloatN> Primitives::surfaces_of(SurfaceKind kind, unsigned lanes, const RayRows& rays,
+                                               const HitRows& hits) const {
   switch (kind) {
     case kPlainTriangle:
       return triangle_surfaces(filled(hits, lanes));
@@ -106,7 +94,7 @@ SurfacePointOf<Float8> Primitives::surfaces_of(SurfaceKind kind, unsigned lanes,
     case kMovingTriangle:
       return in_world(IdentityTransform(), moving_triangle_points(filled(hits, lanes)));
     case kInstancedMovingTriangle: {
-      const HitPointers all = filled(hits, lanes);
+      const HitRows all = filled(hits, lanes);
       return in_world(placements_of(all), moving_triangle_points(all));
     }
     case kPlainSphere:
@@ -119,25 +107,23 @@ SurfacePointOf<Float8> Primitives::surfaces_of(SurfaceKind kind, unsigned lanes,
   return surfaces_one_by_one(lanes, rays, hits);
 }
 
-SurfacePointOf<Float8> Primitives::surfaces(const RayPointers& rays, const HitPointers& hits) const {
+SurfacePointOf<FloatN> Primitives::surfaces(const RayRows& rays, const HitRows& hits) const {
   std::array<unsigned, kSurfaceKinds> lanes_of{};
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) lanes_of[surface_kind(*hits[lane])] |= 1u << lane;
-  SurfacePointOf<Float8> all;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) lanes_of[surface_kind(hits[lane])] |= 1u << lane;
+  SurfacePointOf<FloatN> all;
   for (std::size_t kind = 0; kind < kSurfaceKinds; ++kind) {
     const unsigned lanes = lanes_of[kind];
     if (lanes == 0) continue;
     const auto of_kind = surfaces_of(static_cast<SurfaceKind>(kind), lanes, rays, hits);
     if (lanes == kAllLanes) return of_kind;
-    all = select(Mask8::from_bits(lanes), of_kind, all);
+    all = select(MaskN::from_bits(lanes), of_kind, all);
   }
   return all;
 }
 
-SurfacePointOf<Float8> Primitives::triangle_surfaces(const HitPointers& hits) const {
-  WordLanes primitives;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) primitives.set(lane, hits[lane]->primitive);
-  const auto vertices = look_up_row<3>(triangles_[0].data(), primitives.all() * 3u);
-  TriangleAtHit<Float8> at_hit;
+SurfacePointOf<FloatN> Primitives::triangle_surfaces(const HitRows& hits) const {
+  const auto vertices = look_up_row<3>(triangles_[0].data(), hits.all(&Hit::primitive) * 3u);
+  TriangleAtHit<FloatN> at_hit;
   set_barycentrics(hits, at_hit);
   for (std::size_t corner = 0; corner < 3; ++corner) {
     at_hit.corners[corner] = look_up_vectors(positions_, vertices[corner]);
@@ -147,12 +133,12 @@ SurfacePointOf<Float8> Primitives::triangle_surfaces(const HitPointers& hits) co
   return in_world(IdentityTransform(), point_of_triangle(at_hit));
 }
 
-AffineMapOf<Double8> Primitives::placements_of(const HitPointers& hits) const {
+AffineMapOf<DoubleN> Primitives::placements_of(const HitRows& hits) const {
   std::array<const AffineMapOf<double>*, kLaneCount> maps;
   std::array<std::optional<Placement>, kLaneCount> moved;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    const Instance& shown = instances_[hits[lane]->instance];
-    if (shown.motion != kStill) moved[lane] = motions_[shown.motion]->at(hits[lane]->time);
+    const Instance& shown = instances_[hits.get(&Hit::instance, lane)];
+    if (shown.motion != kStill) moved[lane] = motions_[shown.motion]->at(hits.get(&Hit::time, lane));
     maps[lane] = moved[lane] ? &moved[lane]->map() : &shown.placement.map();
   }
   using Map = AffineMapOf<double>;
@@ -162,18 +148,18 @@ AffineMapOf<Double8> Primitives::placements_of(const HitPointers& hits) const {
 }
 
 // Each lane reads the arrays of its own object.
-SurfacePointOf<Float8> Primitives::instanced_triangle_surfaces(const HitPointers& hits) const {
+SurfacePointOf<FloatN> Primitives::instanced_triangle_surfaces(const HitRows& hits) const {
   std::array<const Primitives*, kLaneCount> objects;
   std::array<const Triangle*, kLaneCount> triangles;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    objects[lane] = &object_of(instances_[hits[lane]->instance]);
-    triangles[lane] = &objects[lane]->triangles_[hits[lane]->primitive];
+    objects[lane] = &object_of(instances_[hits.get(&Hit::instance, lane)]);
+    triangles[lane] = &objects[lane]->triangles_[hits.get(&Hit::primitive, lane)];
   }
   static constexpr float kMissing[3] = {};
   const auto row_of = [&](const auto& table, std::size_t lane, std::size_t corner) {
     return table.empty() ? kMissing : &table[(*triangles[lane])[corner]].x;
   };
-  TriangleAtHit<Float8> at_hit;
+  TriangleAtHit<FloatN> at_hit;
   set_barycentrics(hits, at_hit);
   for (std::size_t corner = 0; corner < 3; ++corner) {
     const auto [x, y, z] = load_rows<3>(
@@ -190,11 +176,11 @@ SurfacePointOf<Float8> Primitives::instanced_triangle_surfaces(const HitPointers
 }
 
 // The vertices are interpolated lane by lane.
-ObjectPointOf<Float8> Primitives::moving_triangle_points(const HitPointers& hits) const {
+ObjectPointOf<FloatN> Primitives::moving_triangle_points(const HitRows& hits) const {
   std::array<Vec3Lanes, 3> corners, normals;
   std::array<FloatLanes, 3> u, v;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    const Hit& hit = *hits[lane];
+    const Hit hit = hits[lane];
     const Primitives& mesh = owner(hit);
     const MovingTriangle moving = mesh.moving_triangle(hit.primitive, hit.time);
     const std::array<Vec2, 3> uvs = mesh.triangle_uvs(hit.primitive);
@@ -205,7 +191,7 @@ ObjectPointOf<Float8> Primitives::moving_triangle_points(const HitPointers& hits
       v[corner].set(lane, uvs[corner].y);
     }
   }
-  TriangleAtHit<Float8> at_hit;
+  TriangleAtHit<FloatN> at_hit;
   set_barycentrics(hits, at_hit);
   for (std::size_t corner = 0; corner < 3; ++corner) {
     at_hit.corners[corner] = corners[corner].all();
@@ -215,45 +201,44 @@ ObjectPointOf<Float8> Primitives::moving_triangle_points(const HitPointers& hits
   return point_of_triangle(at_hit);
 }
 
-SurfacePointOf<Float8> Primitives::sphere_surfaces(const RayPointers& rays, const HitPointers& hits) const {
-  const SpheresAtHits at(rays, hits,
-                         [&](std::size_t lane) -> const Sphere& { return sphere(hits[lane]->primitive); });
+SurfacePointOf<FloatN> Primitives::sphere_surfaces(const RayRows& rays, const HitRows& hits) const {
+  const SpheresAtHits at(
+      rays, hits, [&](std::size_t lane) -> const Sphere& { return sphere(hits.get(&Hit::primitive, lane)); });
   return in_world(IdentityTransform(), point_of_sphere(at.spheres, at.origin, at.direction, at.t));
 }
 
-SurfacePointOf<Float8> Primitives::instanced_sphere_surfaces(const RayPointers& rays,
-                                                             const HitPointers& hits) const {
+SurfacePointOf<FloatN> Primitives::instanced_sphere_surfaces(const RayRows& rays, const HitRows& hits) const {
   const SpheresAtHits at(rays, hits, [&](std::size_t lane) -> const Sphere& {
-    return owner(*hits[lane]).sphere(hits[lane]->primitive);
+    return owner(hits[lane]).sphere(hits.get(&Hit::primitive, lane));
   });
-  const AffineMapOf<Double8> place = placements_of(hits);
+  const AffineMapOf<DoubleN> place = placements_of(hits);
   return in_world(place, point_of_sphere(at.spheres, place.object_point(at.origin),
                                          place.object_vector(at.direction), at.t));
 }
 
-SurfacePointOf<Float8> Primitives::surfaces_one_by_one(unsigned lanes, const RayPointers& rays,
-                                                       const HitPointers& hits) const {
+SurfacePointOf<FloatN> Primitives::surfaces_one_by_one(unsigned lanes, const RayRows& rays,
+                                                       const HitRows& hits) const {
   SurfacePoints points;
   for (; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    points.set(lane, surface(*rays[lane], *hits[lane]));
+    points.set(lane, surface(rays[lane], hits[lane]));
   }
   return points.all();
 }
 
-Vec2Of<Float8> Primitives::second_uvs_at(const HitPointers& hits, Vec2Of<Float8> uv) const {
+Vec2Of<FloatN> Primitives::second_uvs_at(const HitRows& hits, Vec2Of<FloatN> uv) const {
   FloatLanes u(uv.x), v(uv.y);
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    const Vec2 second = second_uv_at(*hits[lane], {u[lane], v[lane]});
+    const Vec2 second = second_uv_at(hits[lane], {u[lane], v[lane]});
     u.set(lane, second.x);
     v.set(lane, second.y);
   }
   return {u.all(), v.all()};
 }
 
-RgbOf<Float8> Primitives::vertex_colors(const HitPointers& hits) const {
+RgbOf<FloatN> Primitives::vertex_colors(const HitRows& hits) const {
   RgbLanes colors;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) colors.set(lane, color_at(*hits[lane]));
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) colors.set(lane, color_at(hits[lane]));
   return colors.all();
 }
 

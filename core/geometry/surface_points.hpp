@@ -4,15 +4,15 @@
 
 #include "core/geometry/surface.hpp"
 #include "core/math/lane_array.hpp"
-#include "core/math/simd_double8.hpp"
+#include "core/math/simd_double.hpp"
 
 namespace tessera::core {
 
 class SurfacePoints {
  public:
   // All zero.
-  SurfacePoints() : SurfacePoints(SurfacePointOf<Float8>{}) {}
-  explicit SurfacePoints(const SurfacePointOf<Float8>& all)
+  SurfacePoints() : SurfacePoints(SurfacePointOf<FloatN>{}) {}
+  explicit SurfacePoints(const SurfacePointOf<FloatN>& all)
       : position_(all.position),
         position_error_(all.position_error),
         geometric_normal_(all.geometric_normal),
@@ -35,7 +35,7 @@ class SurfacePoints {
             shading_normal_[lane],
             {u_[lane], v_[lane]}};
   }
-  SurfacePointOf<Float8> all() const {
+  SurfacePointOf<FloatN> all() const {
     return {position_.all(),
             position_error_.all(),
             geometric_normal_.all(),
@@ -49,8 +49,8 @@ class SurfacePoints {
 };
 
 // `a` where the mask is set, else `b`.
-inline SurfacePointOf<Float8> select(Mask8 mask, const SurfacePointOf<Float8>& a,
-                                     const SurfacePointOf<Float8>& b) {
+inline SurfacePointOf<FloatN> select(MaskN mask, const SurfacePointOf<FloatN>& a,
+                                     const SurfacePointOf<FloatN>& b) {
   return {select(mask, a.position, b.position),
           select(mask, a.position_error, b.position_error),
           select(mask, a.geometric_normal, b.geometric_normal),

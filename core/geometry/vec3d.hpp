@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Three doubles, for intermediate results that floats cannot hold. Data stay floats. Vec3dOf<Double8> holds
-// eight of them (core/math/simd_double8.hpp), Vec3dOf<Double16> sixteen.
+// Three doubles, for intermediate results that floats cannot hold. Data stay floats. Vec3dOf<DoubleN>
+// (core/math/simd_double.hpp) and Vec3dOf<DoubleVector> hold vectors of them.
 #pragma once
 
 #include <cmath>

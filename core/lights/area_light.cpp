@@ -305,8 +305,8 @@ AreaLight::Sample AreaLight::find(const CylinderLight& c, Vec3 p_lit, Vec2 u) co
 }
 
 LightSamples AreaLight::sample_quads(const std::array<const AreaLight*, 8>& quads,
-                                     const std::vector<Texture>& textures, Vec3Of<Float8> p_lit,
-                                     Vec2Of<Float8> u) {
+                                     const std::vector<Texture>& textures, Vec3Of<FloatN> p_lit,
+                                     Vec2Of<FloatN> u) {
   Vec3Lanes corner, edge_u, edge_v, front;
   FloatLanes area;
   std::array<const ColorParameter*, kLaneCount> radiance;
@@ -323,11 +323,11 @@ LightSamples AreaLight::sample_quads(const std::array<const AreaLight*, 8>& quad
     two_sided |= (light.two_sided_ ? 1u : 0u) << lane;
   }
   LightSamples samples;
-  samples.point = point_of_quad<Float8>({corner.all(), edge_u.all(), edge_v.all()}, front.all(), u);
+  samples.point = point_of_quad<FloatN>({corner.all(), edge_u.all(), edge_v.all()}, front.all(), u);
   samples.wi = normalize(samples.point.position - p_lit);
   samples.pdf = per_solid_angle(area.all(), p_lit, samples.point.position, front.all());
   samples.radiance = evaluate(radiance, textures, u);
-  const Mask8 emits = Mask8::from_bits(two_sided) | (dot(front.all(), -samples.wi) > 0);
+  const MaskN emits = MaskN::from_bits(two_sided) | (dot(front.all(), -samples.wi) > 0);
   samples.found = (samples.pdf > 0) & (samples.pdf < std::numeric_limits<float>::infinity()) & emits &
                   !is_black(samples.radiance);
   return samples;
@@ -347,7 +347,7 @@ Vec2 AreaLight::uv_of(const SphereLight& sphere, Vec3 outward) const {
 }
 
 LightSamples AreaLight::sample_uniform_spheres(const std::array<const AreaLight*, 8>& spheres,
-                                               Vec3Of<Float8> p_lit, Vec2Of<Float8> u) {
+                                               Vec3Of<FloatN> p_lit, Vec2Of<FloatN> u) {
   Vec3Lanes center;
   FloatLanes radius, deviation, area;
   RgbLanes radiance;
@@ -363,14 +363,14 @@ LightSamples AreaLight::sample_uniform_spheres(const std::array<const AreaLight*
     two_sided |= (light.two_sided_ ? 1u : 0u) << lane;
   }
   LightSamples samples;
-  const SphereOf<Float8> balls{center.all(), radius.all()};
+  const SphereOf<FloatN> balls{center.all(), radius.all()};
   const auto found = find_on_sphere(balls, deviation.all(), area.all(), p_lit, u);
   samples.point = found.point;
   samples.wi = normalize(found.point.position - p_lit);
   samples.pdf = found.pdf;
   samples.radiance = radiance.all();
-  const Mask8 emits =
-      Mask8::from_bits(two_sided) | (dot(found.point.position - balls.center, -samples.wi) > 0);
+  const MaskN emits =
+      MaskN::from_bits(two_sided) | (dot(found.point.position - balls.center, -samples.wi) > 0);
   samples.found = (samples.pdf > 0) & (samples.pdf < std::numeric_limits<float>::infinity()) & emits &
                   !is_black(samples.radiance);
   return samples;

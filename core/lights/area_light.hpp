@@ -73,15 +73,15 @@ class AreaLight {
 
   // An opaque quad.
   bool is_quad() const { return batch_ == Batch::kQuads; }
-  // Samples eight such lights; each lane equals sample().
+  // Samples such a light in each lane; each lane equals sample().
   static LightSamples sample_quads(const std::array<const AreaLight*, 8>& quads,
-                                   const std::vector<Texture>& textures, Vec3Of<Float8> p_lit,
-                                   Vec2Of<Float8> u);
+                                   const std::vector<Texture>& textures, Vec3Of<FloatN> p_lit,
+                                   Vec2Of<FloatN> u);
 
   // An opaque sphere of uniform radiance.
   bool is_uniform_sphere() const { return batch_ == Batch::kEvenSpheres; }
   static LightSamples sample_uniform_spheres(const std::array<const AreaLight*, 8>& spheres,
-                                             Vec3Of<Float8> p_lit, Vec2Of<Float8> u);
+                                             Vec3Of<FloatN> p_lit, Vec2Of<FloatN> u);
 
   // The density with which sample() generates the light's point p_light from p_lit.
   float pdf(Vec3 p_lit, Vec3 p_light) const;

@@ -54,7 +54,7 @@ EnvironmentDistribution distribution_of(Rgb radiance, const TextureImage* image,
                                         mean_at, map);
 }
 
-RgbOf<Float8> in_all_lanes(Rgb c) {
+RgbOf<FloatN> in_all_lanes(Rgb c) {
   return {c.r, c.g, c.b};
 }
 
@@ -82,15 +82,15 @@ float Environment::pdf(Vec3 normal, Vec3 direction, MisCompensation compensation
   return distribution_->pdf(table_for(normal, compensation), map_.uv_of(direction));
 }
 
-RgbOf<Float8> Environment::radiance_at(Vec2Of<Float8> uv) const {
+RgbOf<FloatN> Environment::radiance_at(Vec2Of<FloatN> uv) const {
   std::array<const TextureImage*, kLaneCount> images;
   images.fill(image_.get());
   return in_all_lanes(radiance_) * TextureImage::bilinear(images, uv, true, false);
 }
 
-Environment::Seen Environment::see(Vec3Of<Float8> normals, Vec3Of<Float8> directions,
+Environment::Seen Environment::see(Vec3Of<FloatN> normals, Vec3Of<FloatN> directions,
                                    MisCompensation compensation) const {
-  const Vec2Of<Float8> uv = map_.uv_of(directions);
+  const Vec2Of<FloatN> uv = map_.uv_of(directions);
   return {image_ ? radiance_at(uv) : in_all_lanes(radiance_),
           distribution_->pdf(table_for(normals, compensation), uv)};
 }
@@ -103,7 +103,7 @@ std::optional<LightSample> Environment::sample(Vec3 normal, Vec2 u, MisCompensat
   return LightSample{wi, arriving, pdf, false, std::nullopt};
 }
 
-LightSamples Environment::sample(Vec3Of<Float8> normals, Vec2Of<Float8> u,
+LightSamples Environment::sample(Vec3Of<FloatN> normals, Vec2Of<FloatN> u,
                                  MisCompensation compensation) const {
   const auto [along_row, depth, side, pdf] = distribution_->sample(table_for(normals, compensation), u);
   LightSamples samples;

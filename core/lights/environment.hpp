@@ -34,15 +34,15 @@ class Environment {
                                     MisCompensation compensation = MisCompensation::kOff) const;
   float pdf(Vec3 normal, Vec3 direction, MisCompensation compensation = MisCompensation::kOff) const;
 
-  // radiance() and pdf() for eight directions.
+  // radiance() and pdf() for directions in lanes.
   struct Seen {
-    RgbOf<Float8> radiance;
-    Float8 pdf;
+    RgbOf<FloatN> radiance;
+    FloatN pdf;
   };
-  Seen see(Vec3Of<Float8> normals, Vec3Of<Float8> directions,
+  Seen see(Vec3Of<FloatN> normals, Vec3Of<FloatN> directions,
            MisCompensation compensation = MisCompensation::kOff) const;
-  // sample() in eight lanes, without points. In lanes without a sample, wi is not zero.
-  LightSamples sample(Vec3Of<Float8> normals, Vec2Of<Float8> u,
+  // sample() in lanes, without points. In lanes without a sample, wi is not zero.
+  LightSamples sample(Vec3Of<FloatN> normals, Vec2Of<FloatN> u,
                       MisCompensation compensation = MisCompensation::kOff) const;
 
   // The power that reaches a disk of the scene's radius from all directions, in watts, averaged over the
@@ -56,7 +56,7 @@ class Environment {
   }
 
  private:
-  RgbOf<Float8> radiance_at(Vec2Of<Float8> uv) const;  // of the image
+  RgbOf<FloatN> radiance_at(Vec2Of<FloatN> uv) const;  // of the image
 
   Rgb radiance_;
   std::shared_ptr<const TextureImage> image_;

@@ -79,7 +79,7 @@ class EnvironmentDistribution::ChosenLanes {
     depth_.set(lane, shares.patch.depth), depth_size_.set(lane, shares.patch.depth_size);
     side_.set(lane, shares.patch.side), per_solid_angle_.set(lane, shares.patch.per_solid_angle);
   }
-  SharesOf<Float8> all() const {
+  SharesOf<FloatN> all() const {
     return {band_begin_.all(),
             band_size_.all(),
             sector_begin_.all(),
@@ -95,13 +95,13 @@ class EnvironmentDistribution::ChosenLanes {
 
 class EnvironmentDistribution::PlaceLanes {
  public:
-  explicit PlaceLanes(const PlaceOf<Float8>& all)
+  explicit PlaceLanes(const PlaceOf<FloatN>& all)
       : along_row_(all.along_row), depth_(all.depth), side_(all.side), pdf_(all.pdf) {}
   void set(std::size_t lane, const PlaceOf<float>& place) {
     along_row_.set(lane, place.along_row), depth_.set(lane, place.depth);
     side_.set(lane, place.side), pdf_.set(lane, place.pdf);
   }
-  PlaceOf<Float8> all() const { return {along_row_.all(), depth_.all(), side_.all(), pdf_.all()}; }
+  PlaceOf<FloatN> all() const { return {along_row_.all(), depth_.all(), side_.all(), pdf_.all()}; }
 
  private:
   FloatLanes along_row_, depth_, side_, pdf_;
@@ -156,8 +156,8 @@ EnvironmentDistribution::PlaceOf<float> EnvironmentDistribution::sample(std::uin
                               : sample_texels(cell, u);
 }
 
-EnvironmentDistribution::PlaceOf<Float8> EnvironmentDistribution::sample(U32x8 tables,
-                                                                         Vec2Of<Float8> u) const {
+EnvironmentDistribution::PlaceOf<FloatN> EnvironmentDistribution::sample(U32xN tables,
+                                                                         Vec2Of<FloatN> u) const {
   const WordLanes table(tables), x(to_word(u.x * float{kWhole})), y(to_word(u.y * float{kWhole}));
   std::array<Chosen, kLaneCount> of_lanes;
   ChosenLanes lanes;
@@ -167,8 +167,8 @@ EnvironmentDistribution::PlaceOf<Float8> EnvironmentDistribution::sample(U32x8 t
     lanes.set(lane, of_lanes[lane].shares);
     uneven |= (of_lanes[lane].uneven == kEven ? 0u : 1u) << lane;
   }
-  const SharesOf<Float8> cells = lanes.all();
-  const PlaceOf<Float8> even = cells.patch.at(cells.within(u), cells.chance());
+  const SharesOf<FloatN> cells = lanes.all();
+  const PlaceOf<FloatN> even = cells.patch.at(cells.within(u), cells.chance());
   if (uneven == 0) return even;
   const FloatLanes u_x(u.x), u_y(u.y);
   PlaceLanes places(even);
@@ -193,7 +193,7 @@ float EnvironmentDistribution::pdf(std::uint32_t table, Vec2 uv) const {
   return pdf_at(table, {uv.x * static_cast<float>(width_), (1 - uv.y) * static_cast<float>(height_)});
 }
 
-Float8 EnvironmentDistribution::pdf(U32x8 tables, Vec2Of<Float8> uv) const {
+FloatN EnvironmentDistribution::pdf(U32xN tables, Vec2Of<FloatN> uv) const {
   const WordLanes table(tables);
   const FloatLanes x(uv.x * static_cast<float>(width_)), y((1 - uv.y) * static_cast<float>(height_));
   FloatLanes pdf;

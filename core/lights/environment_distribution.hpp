@@ -52,11 +52,11 @@ class EnvironmentDistribution {
   // others uniform over the sphere, both times the cosine; the density is positive wherever there is light.
   // With it, there are none where the radiance is below the level. One sample in twenty ignores the cosine.
   PlaceOf<float> sample(std::uint32_t table, Vec2 u) const;
-  PlaceOf<Float8> sample(U32x8 tables, Vec2Of<Float8> u) const;
+  PlaceOf<FloatN> sample(U32xN tables, Vec2Of<FloatN> u) const;
 
   // The density of the direction at (u, v) of the image.
   float pdf(std::uint32_t table, Vec2 uv) const;
-  Float8 pdf(U32x8 tables, Vec2Of<Float8> uv) const;
+  FloatN pdf(U32xN tables, Vec2Of<FloatN> uv) const;
 
   // Radiance integrated over the sphere.
   double radiance_over_sphere() const { return radiance_over_sphere_; }

@@ -31,13 +31,13 @@ class SampleLanes {
 
   // Overwrites the lanes that have been set.
   void merge_into(LightSamples& all) const {
-    const Mask8 mine = Mask8::from_bits(found_);
+    const MaskN mine = MaskN::from_bits(found_);
     all.found = all.found | mine;
     all.wi = select(mine, wi_.all(), all.wi);
     all.radiance = select(mine, radiance_.all(), all.radiance);
     all.pdf = select(mine, pdf_.all(), all.pdf);
-    all.delta = all.delta | Mask8::from_bits(delta_);
-    all.distant = all.distant | Mask8::from_bits(distant_);
+    all.delta = all.delta | MaskN::from_bits(delta_);
+    all.distant = all.distant | MaskN::from_bits(distant_);
     all.point.position = select(mine, position_.all(), all.point.position);
     all.point.position_error = select(mine, position_error_.all(), all.point.position_error);
     all.point.geometric_normal = select(mine, geometric_normal_.all(), all.point.geometric_normal);
@@ -51,8 +51,8 @@ class SampleLanes {
 };
 
 // Copies the found samples of `lanes` to `all`.
-void take_lanes(LightSamples& all, const LightSamples& others, Mask8 lanes) {
-  const Mask8 mine = lanes & others.found;
+void take_lanes(LightSamples& all, const LightSamples& others, MaskN lanes) {
+  const MaskN mine = lanes & others.found;
   all.found = all.found | mine;
   all.wi = select(mine, others.wi, all.wi);
   all.radiance = select(mine, others.radiance, all.radiance);
@@ -71,7 +71,7 @@ class AreaLights {
     lanes_ |= 1u << lane;
   }
   bool empty() const { return lanes_ == 0; }
-  Mask8 lanes() const { return Mask8::from_bits(lanes_); }
+  MaskN lanes() const { return MaskN::from_bits(lanes_); }
   // Fills unset lanes with a light of the set.
   const std::array<const AreaLight*, kLaneCount>& filled() {
     std::replace(lights_.begin(), lights_.end(), static_cast<const AreaLight*>(nullptr), some_);
@@ -102,8 +102,8 @@ std::optional<LightSample> sample_light(const Light& light, const std::vector<Te
 }
 
 LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std::vector<Texture>& textures,
-                           const LightSampleContexts& lit, Vec2Of<Float8> u, MisCompensation compensation,
-                           Float8 time) {
+                           const LightSampleContexts& lit, Vec2Of<FloatN> u, MisCompensation compensation,
+                           FloatN time) {
   const FloatLanes times(time);
   std::array<std::optional<AreaLight>, kLaneCount> moved;
   AreaLights quads, spheres;
@@ -134,7 +134,7 @@ LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std:
                spheres.lanes());
   if (environment)
     take_lanes(samples, environment->sample(lit.normal, u, compensation),
-               Mask8::from_bits(environment_lanes));
+               MaskN::from_bits(environment_lanes));
   if (other_lanes == 0) return samples;
   const Vec3Lanes position(lit.position), normal(lit.normal);
   const FloatLanes u_x(u.x), u_y(u.y);

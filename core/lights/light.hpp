@@ -31,11 +31,11 @@ std::optional<LightSample> sample_light(const Light& light, const std::vector<Te
                                         const LightSampleContext& lit, Vec2 u,
                                         MisCompensation compensation = MisCompensation::kOff, float time = 0);
 
-// Samples eight lights; each lane equals sample_light(). Null pointers are allowed. All environments among
-// them must be the same.
+// Samples a light in each lane; each lane equals sample_light(). Null pointers are allowed. All environments
+// among them must be the same.
 LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std::vector<Texture>& textures,
-                           const LightSampleContexts& lit, Vec2Of<Float8> u,
-                           MisCompensation compensation = MisCompensation::kOff, Float8 time = 0.0f);
+                           const LightSampleContexts& lit, Vec2Of<FloatN> u,
+                           MisCompensation compensation = MisCompensation::kOff, FloatN time = 0.0f);
 
 // Whether only light sampling finds the light, because it has no extent that a ray could hit.
 bool is_delta(const Light& light);

@@ -6,7 +6,7 @@
 
 #include "core/geometry/surface.hpp"
 #include "core/math/rgb.hpp"
-#include "core/math/simd_double8.hpp"
+#include "core/math/simd_double.hpp"
 #include "core/math/vec3.hpp"
 
 namespace tessera::core {
@@ -21,15 +21,15 @@ struct LightSample {
   std::optional<SurfacePoint> point;  // the point on the light, without shading normal; none at infinity
 };
 
-// Eight samples, for eight reference points.
+// Samples in lanes, one for each reference point.
 struct LightSamples {
-  Mask8 found = false;  // lanes with a sample
-  Vec3Of<Float8> wi;    // zero in other lanes
-  RgbOf<Float8> radiance;
-  Float8 pdf{};
-  Mask8 delta = false;
-  Mask8 distant = false;  // has no point
-  SurfacePointOf<Float8> point;
+  MaskN found = false;  // lanes with a sample
+  Vec3Of<FloatN> wi;    // zero in other lanes
+  RgbOf<FloatN> radiance;
+  FloatN pdf{};
+  MaskN delta = false;
+  MaskN distant = false;  // has no point
+  SurfacePointOf<FloatN> point;
 };
 
 }  // namespace tessera::core

@@ -7,14 +7,12 @@
 
 namespace tessera::core {
 
-struct LightSampleContext {
-  Vec3 position{};
-  Vec3 normal{};  // unit, of the side that is lit; zero if light counts from all sides
+template <typename T>
+struct LightSampleContextOf {
+  Vec3Of<T> position{};
+  Vec3Of<T> normal{};  // unit, of the side that is lit; zero if light counts from all sides
 };
-
-// Eight contexts.
-struct LightSampleContexts {
-  Vec3Of<Float8> position, normal;
-};
+using LightSampleContext = LightSampleContextOf<float>;
+using LightSampleContexts = LightSampleContextOf<FloatN>;  // in lanes
 
 }  // namespace tessera::core

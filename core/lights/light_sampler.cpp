@@ -129,7 +129,7 @@ std::array<LightSampler::Choice, kLaneCount> LightSampler::sample(const LightSam
   if (members_.size() == 1) return choices;
   const Vec3Lanes position(points.position), normal(points.normal);
   const auto roots = tree_.weigh_root(points);
-  const WordLanes facing(environment_ ? normal_bin(points.normal) : U32x8(kAllSides));
+  const WordLanes facing(environment_ ? normal_bin(points.normal) : U32xN(kAllSides));
   for (; asked != 0; asked &= asked - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(asked));
     choices[lane] =

@@ -45,7 +45,8 @@ class LightSampler {
   // point.
   Choice sample(const LightSampleContext& point, double u,
                 MisCompensation compensation = MisCompensation::kOff) const;
-  // Samples for eight points; each lane equals the above. Lanes whose bit in `asked` is not set stay empty.
+  // Samples for points in lanes; each lane equals the above. Lanes whose bit in `asked` is not set stay
+  // empty.
   std::array<Choice, kLaneCount> sample(const LightSampleContexts& points,
                                         const std::array<double, kLaneCount>& u, unsigned asked,
                                         MisCompensation compensation = MisCompensation::kOff) const;

@@ -12,14 +12,14 @@ constexpr double kBelowOne = 1 - 0x1p-53;
 
 // Cosine and sine of an angle up to pi.
 struct Angle {
-  Float8 cosine, sine;
+  FloatN cosine, sine;
 
-  static Angle of_cosine(Float8 cosine) { return {cosine, sqrt(max(0.0f, 1.0f - cosine * cosine))}; }
+  static Angle of_cosine(FloatN cosine) { return {cosine, sqrt(max(0.0f, 1.0f - cosine * cosine))}; }
 };
 
 // The difference of two angles, or 0 if the second is larger.
 Angle excess(const Angle& a, const Angle& b) {
-  const Mask8 none = a.cosine >= b.cosine;
+  const MaskN none = a.cosine >= b.cosine;
   return {select(none, 1.0f, a.cosine * b.cosine + a.sine * b.sine),
           select(none, 0.0f, a.sine * b.cosine - a.cosine * b.sine)};
 }
@@ -27,18 +27,18 @@ Angle excess(const Angle& a, const Angle& b) {
 // The approximate mean cosine over a sphere whose centre is seen at the cosine `of_middle`, with negative
 // cosines clamped to 0. It assumes uniformly distributed cosines. A point at the edge that emits all of the
 // light contributes more, but its squared cosine is at most 4 times this, which bounds the noise.
-Float8 mean_cosine(Float8 of_middle, Float8 sine_of_sphere) {
+FloatN mean_cosine(FloatN of_middle, FloatN sine_of_sphere) {
   constexpr float kMinSphereSine = 1e-30f;
-  const Float8 highest = max(of_middle + sine_of_sphere, 0.0f);
+  const FloatN highest = max(of_middle + sine_of_sphere, 0.0f);
   return select(of_middle >= sine_of_sphere, of_middle,
                 highest * highest / (4 * max(sine_of_sphere, kMinSphereSine)));
 }
 
-Float8 load(const std::array<float, LightTree::kWidth>& lanes) {
-  return Float8::load(lanes.data());
+FloatN load(const std::array<float, LightTree::kWidth>& lanes) {
+  return FloatN::load(lanes.data());
 }
 
-Vec3Of<Float8> load(const std::array<float, LightTree::kWidth> (&lanes)[3]) {
+Vec3Of<FloatN> load(const std::array<float, LightTree::kWidth> (&lanes)[3]) {
   return {load(lanes[0]), load(lanes[1]), load(lanes[2])};
 }
 
@@ -72,39 +72,39 @@ struct LightTree::Children {
         back(node.back[i]),
         intensity(node.intensity[i]) {}
 
-  Float8 weights(const LightSampleContexts& points) const;
+  FloatN weights(const LightSampleContexts& points) const;
 
-  Vec3Of<Float8> center, axis;
-  Float8 radius2, disk2;
+  Vec3Of<FloatN> center, axis;
+  FloatN radius2, disk2;
   Angle cone;
-  Float8 cos_e, back, intensity;
+  FloatN cos_e, back, intensity;
 };
 
 // The approximate contribution of each child to the point: emission is uniform over its sphere, and the
 // best normal of its cone is taken (after Conty Estevez and Kulla 2018, section 3.2, who take the best
 // position as well). Zero only if no light can contribute.
-Float8 LightTree::Children::weights(const LightSampleContexts& points) const {
+FloatN LightTree::Children::weights(const LightSampleContexts& points) const {
   constexpr float kMinDistance2 = 1e-30f;
   constexpr float kMinInside = 0.1f;  // lower bound on the product of cosines inside the sphere
   constexpr float kNearest2 = 0.1f;   // of radius2: minimum distance for points among the lights
-  const Vec3Of<Float8> to_center = center - points.position, normal = points.normal;
-  const Float8 distance2 = max(dot(to_center, to_center), kMinDistance2);
-  const Float8 per_distance = 1.0f / sqrt(distance2);
-  const Mask8 inside = radius2 >= distance2;
+  const Vec3Of<FloatN> to_center = center - points.position, normal = points.normal;
+  const FloatN distance2 = max(dot(to_center, to_center), kMinDistance2);
+  const FloatN per_distance = 1.0f / sqrt(distance2);
+  const MaskN inside = radius2 >= distance2;
 
-  const Float8 sin2_of_sphere = min(radius2 * (per_distance * per_distance), 1.0f);
+  const FloatN sin2_of_sphere = min(radius2 * (per_distance * per_distance), 1.0f);
   const Angle sphere{sqrt(1.0f - sin2_of_sphere), sqrt(sin2_of_sphere)};
 
-  const Float8 to_axis = -dot(to_center, axis) * per_distance;
+  const FloatN to_axis = -dot(to_center, axis) * per_distance;
   const Angle from_cone = excess(Angle::of_cosine(max(to_axis, to_axis * back)), cone);
-  const Mask8 sends = excess(from_cone, sphere).cosine >= cos_e;
-  const Float8 sent = select(sends, mean_cosine(from_cone.cosine, sphere.sine), 0.0f);
+  const MaskN sends = excess(from_cone, sphere).cosine >= cos_e;
+  const FloatN sent = select(sends, mean_cosine(from_cone.cosine, sphere.sine), 0.0f);
 
-  const Float8 arriving = mean_cosine(dot(to_center, normal) * per_distance, sphere.sine);
-  const Mask8 has_no_normal = (normal.x == 0) & (normal.y == 0) & (normal.z == 0);
-  const Float8 received = select(has_no_normal, 1.0f, arriving);
+  const FloatN arriving = mean_cosine(dot(to_center, normal) * per_distance, sphere.sine);
+  const MaskN has_no_normal = (normal.x == 0) & (normal.y == 0) & (normal.z == 0);
+  const FloatN received = select(has_no_normal, 1.0f, arriving);
 
-  const Float8 cosines = sent * received;
+  const FloatN cosines = sent * received;
   // A disk seen from above its centre is equivalent to a point at a distance increased by its radius.
   return intensity / (max(distance2, kNearest2 * radius2) + disk2) *
          select(inside, max(cosines, kMinInside), cosines);

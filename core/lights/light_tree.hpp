@@ -19,7 +19,7 @@ inline constexpr std::uint32_t kNoLight = 0xffffffffu;
 
 class LightTree {
  public:
-  static constexpr std::size_t kWidth = 8;
+  static constexpr std::size_t kWidth = kLaneCount;
 
   struct Item {
     LightBounds bounds;
@@ -39,7 +39,7 @@ class LightTree {
   class Weights;
   // The weights of the root's children, as input of the functions below.
   Weights weigh_root(const LightSampleContext& point) const;
-  // The same for eight points.
+  // The same for points in lanes.
   std::array<Weights, kWidth> weigh_root(const LightSampleContexts& points) const;
   // u is in [0, 1], with more bits than a float has.
   Choice sample(const Weights& root, const LightSampleContext& point, double u) const;

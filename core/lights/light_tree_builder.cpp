@@ -6,9 +6,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <utility>
 
+#include "core/base/top_down.hpp"
 #include "core/lights/light_tree.hpp"
 
 namespace tessera::core {
@@ -97,6 +99,19 @@ Split best_split(std::span<const Item> items, const Aabb& middles) {
   return best;
 }
 
+// Moves the items that belong left to the front and returns their number. The order, in which bounds are
+// merged, does not depend on the standard library, as that of std::partition may.
+template <typename IsLeft>
+std::size_t partitioned(std::span<Item> items, const IsLeft& is_left) {
+  std::size_t begin = 0, end = items.size();
+  for (;; ++begin) {
+    while (begin < end && is_left(items[begin])) ++begin;
+    while (begin < end && !is_left(items[end - 1])) --end;
+    if (begin == end) return begin;
+    std::swap(items[begin], items[--end]);
+  }
+}
+
 // A node of the binary tree. A leaf is one light.
 struct BinaryNode {
   LightBounds bounds;
@@ -109,29 +124,42 @@ class BinaryBuilder {
   explicit BinaryBuilder(std::vector<Item> items) : items_(std::move(items)), nodes_(2 * items_.size() - 1) {}
 
   std::vector<BinaryNode> build(int threads) {
-#pragma omp parallel num_threads(threads)
-#pragma omp single
-    build_subtree(0, 0, items_.size(), 0);
+    build_top_down(Range{0, 0, items_.size(), 0}, kTaskSize, threads,
+                   [this](const Range& range) { return divide(range); });
+    add_bounds();
     return std::move(nodes_);
   }
 
  private:
-  // A subtree of n lights has 2n - 1 nodes, numbered from `node`, so node positions do not depend on other
-  // tasks.
-  void build_subtree(std::size_t node, std::size_t begin, std::size_t end, int depth) {
-    if (end - begin == 1) {
+  struct Range {
+    std::size_t size() const { return end - begin; }
+
+    std::size_t node;  // where it is stored
+    std::size_t begin, end;
+    int depth;
+  };
+
+  // Stores the range's node, without the bounds of inner ones, and returns its parts; none of a leaf. A
+  // subtree of n lights has 2n - 1 nodes, so node positions do not depend on other tasks.
+  std::optional<std::pair<Range, Range>> divide(const Range& range) {
+    const auto [node, begin, end, depth] = range;
+    if (range.size() == 1) {
       nodes_[node] = {items_[begin].bounds, items_[begin].light};
-      return;
+      return std::nullopt;
     }
     const std::size_t cut = partition(begin, end, depth);
     const std::size_t left = node + 1, right = node + 2 * (cut - begin);
-#pragma omp task if (end - begin > kTaskSize) default(shared) firstprivate(left, begin, cut, depth)
-    build_subtree(left, begin, cut, depth + 1);
-    build_subtree(right, cut, end, depth + 1);
-#pragma omp taskwait
     nodes_[node].right = static_cast<std::uint32_t>(right);
-    nodes_[node].bounds = nodes_[left].bounds;
-    nodes_[node].bounds.include(nodes_[right].bounds);
+    return std::pair(Range{left, begin, cut, depth + 1}, Range{right, cut, end, depth + 1});
+  }
+
+  // Children follow their parents.
+  void add_bounds() {
+    for (std::size_t node = nodes_.size(); node-- > 0;) {
+      if (nodes_[node].light != kNoLight) continue;
+      nodes_[node].bounds = nodes_[node + 1].bounds;
+      nodes_[node].bounds.include(nodes_[nodes_[node].right].bounds);
+    }
   }
 
   // Reorders the range and returns where its right part begins; neither part is empty.
@@ -147,10 +175,9 @@ class BinaryBuilder {
     const Split split = best_split(items, middles);
     if (split.axis < 0) return half;  // all are at the same position
     const Binning binning(middles, split.axis);
-    const auto right = std::partition(items.begin(), items.end(), [&](const Item& item) {
-      return binning.bin(item) < split.first_right_bin;
-    });
-    const auto cut = begin + static_cast<std::size_t>(right - items.begin());
+    const std::size_t cut = begin + partitioned(items, [&](const Item& item) {
+                              return binning.bin(item) < split.first_right_bin;
+                            });
     return cut == begin || cut == end ? half : cut;
   }
 

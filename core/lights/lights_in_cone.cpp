@@ -35,8 +35,8 @@ double sum_of(const auto& lanes) {
   return sum;
 }
 
-Float8 lanes_of(const auto& lanes) {
-  return Float8::load(lanes.data());
+FloatN lanes_of(const auto& lanes) {
+  return FloatN::load(lanes.data());
 }
 
 }  // namespace
@@ -63,19 +63,19 @@ LightsInCone::Children LightsInCone::children(std::size_t node) const {
   constexpr float kMinDistance2 = 1e-30f;
   constexpr float kNearest2 = 0.1f;  // of radius2: minimum distance for an apex among the lights
   const LightTree::Node& of = tree_.nodes_[node];
-  const Vec3Of<Float8> apex{cone_.apex.x, cone_.apex.y, cone_.apex.z},
+  const Vec3Of<FloatN> apex{cone_.apex.x, cone_.apex.y, cone_.apex.z},
       axis{cone_.axis.x, cone_.axis.y, cone_.axis.z};
-  const Vec3Of<Float8> center =
-      Vec3Of<Float8>{lanes_of(of.center[0]), lanes_of(of.center[1]), lanes_of(of.center[2])} - apex;
-  const Float8 outside = length(cross(center, axis)) * cone_.cosine - fabs(dot(center, axis)) * cone_.sine;
-  const Float8 radius2 = lanes_of(of.radius2), disk2 = lanes_of(of.disk2);
+  const Vec3Of<FloatN> center =
+      Vec3Of<FloatN>{lanes_of(of.center[0]), lanes_of(of.center[1]), lanes_of(of.center[2])} - apex;
+  const FloatN outside = length(cross(center, axis)) * cone_.cosine - fabs(dot(center, axis)) * cone_.sine;
+  const FloatN radius2 = lanes_of(of.radius2), disk2 = lanes_of(of.disk2);
   unsigned leaves = 0;
   for (std::size_t lane = 0; lane < kWidth; ++lane) leaves |= (of.children[lane] < 0 ? 1u : 0u) << lane;
-  const Mask8 is_leaf = Mask8::from_bits(leaves);
-  const Float8 radius = sqrt(select(is_leaf, min(radius2, max(disk2, radius2 * (1.0f / 3))), radius2));
-  const Float8 within = min(max((radius - outside) / (2 * radius), 0.0f), 1.0f);
-  const Float8 part = select(is_leaf, within, select(outside <= radius, Float8(1.0f), Float8(0.0f)));
-  const Float8 per_distance2 = 1.0f / max(max(dot(center, center), kNearest2 * radius2), kMinDistance2);
+  const MaskN is_leaf = MaskN::from_bits(leaves);
+  const FloatN radius = sqrt(select(is_leaf, min(radius2, max(disk2, radius2 * (1.0f / 3))), radius2));
+  const FloatN within = min(max((radius - outside) / (2 * radius), 0.0f), 1.0f);
+  const FloatN part = select(is_leaf, within, select(outside <= radius, FloatN(1.0f), FloatN(0.0f)));
+  const FloatN per_distance2 = 1.0f / max(max(dot(center, center), kNearest2 * radius2), kMinDistance2);
   Children found;
   (lanes_of(of.intensity) * per_distance2 * part).store(found.weights.data());
   (disk2 * per_distance2 * part * std::numbers::pi_v<float>).store(found.solid_angles.data());

@@ -51,11 +51,31 @@ Rays parallel_rays(Random& random, std::size_t count) {
   return rays;
 }
 
-void expect_same_answers(const Bvh& bvh, const Primitives& primitives, const Rays& rays) {
-  std::vector<Hit> hits(rays.size(), Hit{0, 0, 0, 0});
+std::vector<Hit> closest_hits(const Bvh& bvh, const Primitives& primitives, const Rays& rays) {
+  const std::vector<Hit> wrong(rays.size(), Hit{0, 0, 0, 0});
+  Columns<Hit> hits{std::span(wrong)};
+  bvh.closest_hits(primitives, Columns<Ray>(std::span(rays)).all(), hits.all());
+  std::vector<Hit> found;
+  for (std::size_t i = 0; i < hits.size(); ++i) found.push_back(hits[i]);
+  return found;
+}
+
+std::vector<std::uint8_t> any_hits(const Bvh& bvh, const Primitives& primitives, const Rays& rays) {
   std::vector<std::uint8_t> occluded(rays.size(), 2);
-  bvh.closest_hits(primitives, rays, hits);
-  bvh.any_hits(primitives, rays, occluded);
+  bvh.any_hits(primitives, Columns<Ray>(std::span(rays)).all(), occluded);
+  return occluded;
+}
+
+WordLanes rows_from(std::size_t first) {
+  WordLanes rows;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    rows.set(lane, static_cast<std::uint32_t>(first + lane));
+  return rows;
+}
+
+void expect_same_answers(const Bvh& bvh, const Primitives& primitives, const Rays& rays) {
+  const std::vector<Hit> hits = closest_hits(bvh, primitives, rays);
+  const std::vector<std::uint8_t> occluded = any_hits(bvh, primitives, rays);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Hit expected = bvh.closest_hit(primitives, rays[i]);
     ASSERT_TRUE(identical(hits[i], expected))

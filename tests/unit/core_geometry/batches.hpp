@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "tests/unit/core_geometry/shapes.hpp"
@@ -22,6 +23,13 @@ Rays random_rays(const Soup& soup, Random& random, std::size_t count);
 
 // Along one axis, from a grid whose points often lie above corners and edges.
 Rays parallel_rays(Random& random, std::size_t count);
+
+// The answers of both queries of many rays.
+std::vector<Hit> closest_hits(const Bvh& bvh, const Primitives& primitives, const Rays& rays);
+std::vector<std::uint8_t> any_hits(const Bvh& bvh, const Primitives& primitives, const Rays& rays);
+
+// kLaneCount rows from `first` on.
+WordLanes rows_from(std::size_t first);
 
 // Whether both queries of many rays answer as that of one ray does, bit for bit; a fatal failure if not.
 void expect_same_answers(const Bvh& bvh, const Primitives& primitives, const Rays& rays);

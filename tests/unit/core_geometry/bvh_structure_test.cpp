@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <set>
+#include <utility>
 
 #include "core/accel/binary_bvh.hpp"
 #include "tests/support/effort.hpp"
@@ -67,8 +69,44 @@ int check(const Primitives& primitives) {
 TEST(BvhStructure, HoldsEverythingOnceWithinItsBoxes) {
   for (const test::Soup& soup : test::all_soups(5000)) {
     SCOPED_TRACE(soup.name);
-    EXPECT_LE(check(soup.primitives), kMaxBinaryDepth);
+    EXPECT_LE(check(soup.primitives), kMaxTreeDepth);
   }
+}
+
+// Triangles, spheres, disks and instances of a ball, close to each other.
+Primitives of_many_kinds() {
+  test::Mesh mesh;
+  for (int i = 0; i < 100; ++i) {
+    const float x = static_cast<float>(i % 10), y = static_cast<float>(i / 10);
+    mesh.add({Vec3{x, y, 0}, Vec3{x + 1, y, 0}, Vec3{x, y + 1, 0}});
+  }
+  Primitives primitives = mesh.primitives();
+  const auto at = [](int i) { return Vec3{static_cast<float>(i % 10), static_cast<float>(i / 10), 0.1f}; };
+  for (int i = 0; i < 100; i += 3) primitives.add_sphere(at(i), 0.2f, 0);
+  for (int i = 0; i < 100; i += 7) primitives.add_disk(Disk{at(i), {1, 0, 0}, {0, 1, 0}, 0}, 0);
+  Primitives ball;
+  ball.add_sphere({0, 0, 0}, 0.5f, 0);
+  primitives.add_object(std::move(ball));
+  for (int i = 0; i < 100; i += 11) primitives.add_instance({Placement(translation(at(i))), 0});
+  return primitives;
+}
+
+TEST(BvhStructure, HasOneKindInEachLeafAndEachInstanceAlone) {
+  const Primitives primitives = of_many_kinds();
+  check(primitives);
+  const Bvh bvh = Bvh::build(primitives, 2);
+  std::set<GeometryKind> kinds;
+  std::size_t found = 0;
+  for (const BvhPacket& packet : bvh.arrays().packets) {
+    kinds.insert(packet.kind);
+    EXPECT_TRUE(packet.kind != GeometryKind::kInstance || packet.lanes == 1);
+    for_each_lane(packet.lanes, [&](std::size_t lane) {
+      EXPECT_EQ(primitives.kind(packet.primitives[lane]), packet.kind);
+      ++found;
+    });
+  }
+  EXPECT_EQ(found, primitives.count());
+  EXPECT_EQ(kinds.size(), 4u);
 }
 
 TEST(BvhStructure, OfIdenticalTrianglesIsBalanced) {
@@ -89,7 +127,7 @@ TEST(BvhStructure, OfExponentiallySpacedTrianglesIsBoundedInDepth) {
   const Primitives primitives = mesh.primitives();
   const int depth = check(primitives);
   EXPECT_GT(depth, kMaxSahDepth) << "not hard enough to reach the limit";
-  EXPECT_LE(depth, kMaxBinaryDepth);
+  EXPECT_LE(depth, kMaxTreeDepth);
   const Bvh bvh = Bvh::build(primitives, 2);
   for (const Ray& ray : {Ray{{-1, 0, 0}, {1, 0, 0}}, Ray{{1e38f, 1e-3f, 1e-3f}, {-1, 0, 0}}}) {
     EXPECT_TRUE(test::identical(bvh.closest_hit(primitives, ray), test::brute_force_hit(primitives, ray)));

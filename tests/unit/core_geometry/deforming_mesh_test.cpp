@@ -162,14 +162,13 @@ TEST(DeformingMeshes, HaveTheSameSurfacesInLanes) {
       hits.push_back(hit);
     }
   }
+  const Columns<Ray> all_rays{std::span<const Ray>(rays)};
+  const Columns<Hit> all_hits{std::span<const Hit>(hits)};
   for (std::size_t first = 0; first + kLaneCount <= rays.size(); first += kLaneCount) {
-    RayPointers ray_of;
-    HitPointers hit_of;
-    for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-      ray_of[lane] = &rays[first + lane], hit_of[lane] = &hits[first + lane];
-    const SurfacePoints all(moving.surfaces(ray_of, hit_of));
+    const WordLanes rows = test::rows_from(first);
+    const SurfacePoints all(moving.surfaces({all_rays.all(), rows}, {all_hits.all(), rows}));
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-      const SurfacePoint one = moving.surface(*ray_of[lane], *hit_of[lane]);
+      const SurfacePoint one = moving.surface(rays[first + lane], hits[first + lane]);
       EXPECT_EQ(all[lane].position, one.position);
       EXPECT_EQ(all[lane].position_error, one.position_error);
       EXPECT_EQ(all[lane].shading_normal, one.shading_normal);

@@ -76,8 +76,7 @@ test::Rays moved(test::Rays rays, Vec3 by) {
 }
 
 void expect_what_brute_force_finds(const Bvh& bvh, const Primitives& primitives, const test::Rays& rays) {
-  std::vector<Hit> hits(rays.size());
-  bvh.closest_hits(primitives, rays, hits);
+  const std::vector<Hit> hits = test::closest_hits(bvh, primitives, rays);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Hit expected = test::brute_force_hit(primitives, rays[i]);
     ASSERT_TRUE(test::identical(hits[i], expected)) << i << "\nexpected " << test::describe(rays[i], expected)
@@ -224,10 +223,8 @@ TEST(GroupsThroughInstances, LeakNothingThroughAClosedMesh) {
       ray.origin = placement.point(Vec3d(inside)).rounded();
       ray.direction = test::point_of(primitives, random) - ray.origin;
     }
-    std::vector<Hit> hits(rays.size());
-    std::vector<std::uint8_t> occluded(rays.size());
-    bvh.closest_hits(primitives, rays, hits);
-    bvh.any_hits(primitives, rays, occluded);
+    const std::vector<Hit> hits = test::closest_hits(bvh, primitives, rays);
+    const std::vector<std::uint8_t> occluded = test::any_hits(bvh, primitives, rays);
     for (std::size_t i = 0; i < rays.size(); ++i)
       ASSERT_TRUE(hits[i].found() && occluded[i] == 1) << t << ' ' << test::describe(rays[i], hits[i]);
   }

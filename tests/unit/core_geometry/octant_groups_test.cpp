@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 #include "tests/unit/core_geometry/shapes.hpp"
@@ -16,10 +17,18 @@ struct Groups {
   std::vector<std::size_t> alone;
 };
 
+// Bit i is the sign of coordinate i.
+unsigned octant(const Ray& ray) {
+  unsigned octant = 0;
+  for (int axis = 0; axis < 3; ++axis) octant |= (std::signbit(ray.direction[axis]) ? 1u : 0u) << axis;
+  return octant;
+}
+
 Groups groups_of(const std::vector<Ray>& run) {
   Groups groups;
+  const Columns<Ray> columns{std::span(run)};
   for_each_group(
-      run,
+      columns.all(),
       [&](std::span<const std::uint16_t> order) { groups.together.emplace_back(order.begin(), order.end()); },
       [&](std::size_t i) { groups.alone.push_back(i); });
   return groups;

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "core/math/lane_array.hpp"
-#include "core/math/simd_double8.hpp"
+#include "core/math/simd_double.hpp"
 #include "tests/unit/core_geometry/shapes.hpp"
 
 namespace tessera::core {
@@ -90,9 +90,9 @@ TEST(Sphere, EightAtOnceAreToTheBitWhatEachIsAlone) {
       centers.set(lane, sphere.center), radii.set(lane, sphere.radius);
       alone[lane] = intersect_sphere(Ray{origin, direction}, sphere);
     }
-    using Wide = Vec3dOf<Double8>;
+    using Wide = Vec3dOf<DoubleN>;
     const auto [found, t] =
-        intersect_sphere<Float8>(Wide(origins.all()), Wide(directions.all()), {centers.all(), radii.all()});
+        intersect_sphere<FloatN>(Wide(origins.all()), Wide(directions.all()), {centers.all(), radii.all()});
     alignas(32) double distances[kLaneCount];
     t.low.store(distances);
     t.high.store(distances + 4);

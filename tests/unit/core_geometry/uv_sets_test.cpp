@@ -85,17 +85,17 @@ TEST(UvSets, OfOtherShapesAreTheSameTwice) {
 TEST(UvSets, InLanesAreThoseOfEachHit) {
   const Primitives primitives = mixed();
   const Met met = all_hits(primitives);
+  const Columns<Ray> rays{std::span<const Ray>(met.rays)};
+  const Columns<Hit> all_hits{std::span<const Hit>(met.hits)};
   for (std::size_t first = 0; first + kLaneCount <= met.hits.size(); ++first) {
-    RayPointers rays;
-    HitPointers hits;
-    for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-      rays[lane] = &met.rays[first + lane], hits[lane] = &met.hits[first + lane];
-    const SurfacePointOf<Float8> points = primitives.surfaces(rays, hits);
-    const UvSetsOf<Float8> all = primitives.uv_sets(hits, points.uv);
+    const WordLanes rows = test::rows_from(first);
+    const HitRows hits{all_hits.all(), rows};
+    const SurfacePointOf<FloatN> points = primitives.surfaces({rays.all(), rows}, hits);
+    const UvSetsOf<FloatN> all = primitives.uv_sets(hits, points.uv);
     const FloatLanes u(all.second.x), v(all.second.y);
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-      const SurfacePoint one = primitives.surface(*rays[lane], *hits[lane]);
-      const UvSets uv = primitives.uv_sets(*hits[lane], one.uv);
+      const SurfacePoint one = primitives.surface(met.rays[first + lane], met.hits[first + lane]);
+      const UvSets uv = primitives.uv_sets(met.hits[first + lane], one.uv);
       EXPECT_EQ((Vec2{u[lane], v[lane]}), uv.second);
     }
   }

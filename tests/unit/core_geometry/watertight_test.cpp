@@ -2,6 +2,7 @@
 // No ray passes between the triangles of a closed mesh, even if it is aimed exactly at an edge or a corner.
 #include <gtest/gtest.h>
 
+#include "tests/unit/core_geometry/batches.hpp"
 #include "tests/unit/core_geometry/shapes.hpp"
 
 namespace tessera::core {
@@ -43,14 +44,12 @@ TEST_P(Watertight, NorDoManyRaysAtOnce) {
   const Bvh bvh = Bvh::build(primitives, 1);
   test::Random random(8);
   std::vector<Ray> rays(4096);
-  std::vector<Hit> hits(rays.size());
-  std::vector<std::uint8_t> occluded(rays.size());
   for (int batch = 0; batch < 64; ++batch) {
     const Vec3 origin = center + random.in_box(0.5f * radius);
     for (Ray& ray : rays)
       ray = ray_at_seam(mesh, batch % 2 == 0 ? origin : center + random.in_box(0.5f * radius), random);
-    bvh.closest_hits(primitives, rays, hits);
-    bvh.any_hits(primitives, rays, occluded);
+    const std::vector<Hit> hits = test::closest_hits(bvh, primitives, rays);
+    const std::vector<std::uint8_t> occluded = test::any_hits(bvh, primitives, rays);
     for (std::size_t i = 0; i < rays.size(); ++i)
       ASSERT_TRUE(hits[i].found() && occluded[i] == 1) << test::describe(rays[i], hits[i]);
   }
