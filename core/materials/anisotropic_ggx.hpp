@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The GGX distribution of microfacet normals with a roughness for each of two tangents (Heitz 2014, eq. 85
-// and 86). Directions and `h` as in microfacet.hpp. T is float for one point, or Float8 for one in each lane.
+// and 86). Directions and `h` as in microfacet.hpp. T is float for one point, or FloatN for one in each lane.
 #pragma once
 
 #include <cmath>

@@ -55,7 +55,9 @@ Rgb base_color_at(const Material& material, const std::vector<Texture>& textures
           [](const Blend&) { return Rgb{}; },
           [](const Null&) { return Rgb{}; },
           [&](const Hair& m) {
-            return hair_color(absorption_at(m, textures, uv), std::clamp(at(m.beta_n), 0.0f, 1.0f)) * tint;
+            const MaterialPoint point{textures, uv, true, tint};
+            const Rgb absorption = absorption_of(ModelAt<float, Hair>(&m, point));
+            return hair_color(absorption, std::clamp(at(m.beta_n), 0.0f, 1.0f)) * tint;
           },
       },
       material.model);

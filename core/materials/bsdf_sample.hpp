@@ -17,6 +17,12 @@ struct BsdfValueOf {
 };
 using BsdfValue = BsdfValueOf<float>;
 
+// `value` where the mask is set, else nothing.
+template <typename T>
+BsdfValueOf<T> only_where(MaskOf<T> mask, const BsdfValueOf<T>& value) {
+  return {select(mask, value.value, RgbOf<T>{}), select(mask, value.pdf, T(0.0f))};
+}
+
 struct BsdfSample {
   Vec3 wi_local;
   Rgb weight;     // bsdf * |cos(wi)| / pdf
@@ -30,7 +36,7 @@ struct BsdfSample {
 // reflection by a coat in a frame of its own.
 using DeltaBranches = std::array<std::optional<BsdfSample>, 3>;
 
-// A sample in each lane. T is float for one, or Float8 for one in each lane.
+// A sample in each lane. T is float for one, or FloatN for one in each lane.
 template <typename T>
 struct BsdfSampleOf {
   MaskOf<T> found{}, delta{}, transmitted{};
@@ -52,29 +58,22 @@ BsdfSampleOf<T> select(MaskOf<T> mask, const BsdfSampleOf<T>& a, const BsdfSampl
 }
 
 // A sample of one point.
-inline std::optional<BsdfSample> alone(const std::optional<BsdfSample>& sample) {
-  return sample;
-}
 inline std::optional<BsdfSample> alone(const BsdfSampleOf<float>& sample) {
   if (!sample.found) return std::nullopt;
   return BsdfSample{sample.wi_local, sample.weight, sample.pdf, sample.delta, sample.transmitted, sample.eta};
 }
 
-inline BsdfSample delta_sample(Vec3 wi_local, Rgb weight) {
-  BsdfSample sample;
-  sample.wi_local = wi_local;
-  sample.weight = weight;
-  sample.delta = true;
-  return sample;
-}
-
-// Computes a sample's weight from its value, whose pdf must be positive.
-inline BsdfSample weighed_sample(Vec3 wi_local, const BsdfValue& value) {
-  BsdfSample sample;
-  sample.wi_local = wi_local;
-  sample.weight = value.value / value.pdf;
-  sample.pdf = value.pdf;
-  return sample;
+// A sample with this value, in lanes where its density is positive. eta is that of transmission.
+template <typename T>
+BsdfSampleOf<T> weighed_sample(MaskOf<T> found, Vec3Of<T> wi_local, const BsdfValueOf<T>& value, T eta) {
+  const MaskOf<T> transmitted = wi_local.z < 0, likely = found & (value.pdf > 0);
+  return {likely,
+          false,
+          transmitted,
+          wi_local,
+          value.value / value.pdf,
+          value.pdf,
+          select(transmitted, eta, T(1.0f))};
 }
 
 }  // namespace tessera::core

@@ -9,7 +9,7 @@
 
 #include "core/materials/fresnel.hpp"
 #include "core/materials/microfacet.hpp"
-#include "core/math/simd_double8.hpp"
+#include "core/math/simd_double.hpp"
 #include "core/math/table_interpolation.hpp"
 
 namespace tessera::core {
@@ -261,14 +261,14 @@ T DirectionalAlbedo::mean_scattered_inside(std::type_identity_t<T> alpha, std::t
 }
 
 template float DirectionalAlbedo::reflecting<float>(float, float) const;
-template Float8 DirectionalAlbedo::reflecting<Float8>(Float8, Float8) const;
+template FloatN DirectionalAlbedo::reflecting<FloatN>(FloatN, FloatN) const;
 template float DirectionalAlbedo::reflected<float>(float, float, float) const;
-template Float8 DirectionalAlbedo::reflected<Float8>(Float8, Float8, Float8) const;
+template FloatN DirectionalAlbedo::reflected<FloatN>(FloatN, FloatN, FloatN) const;
 template float DirectionalAlbedo::scattered<float>(float, float, float) const;
-template Float8 DirectionalAlbedo::scattered<Float8>(Float8, Float8, Float8) const;
+template FloatN DirectionalAlbedo::scattered<FloatN>(FloatN, FloatN, FloatN) const;
 template float DirectionalAlbedo::mean_transmitted<float>(float, float) const;
-template Float8 DirectionalAlbedo::mean_transmitted<Float8>(Float8, Float8) const;
+template FloatN DirectionalAlbedo::mean_transmitted<FloatN>(FloatN, FloatN) const;
 template float DirectionalAlbedo::mean_scattered_inside<float>(float, float) const;
-template Float8 DirectionalAlbedo::mean_scattered_inside<Float8>(Float8, Float8) const;
+template FloatN DirectionalAlbedo::mean_scattered_inside<FloatN>(FloatN, FloatN) const;
 
 }  // namespace tessera::core

@@ -25,7 +25,7 @@ class DirectionalAlbedo {
   static const DirectionalAlbedo& tables(MicrofacetKind kind = {});
 
   // cos_o is the viewer's cosine, alpha the microfacets' roughness, both in [0, 1]. `eta` is the index of the
-  // far side over the near side, in [1 / 10, 10]. T is float for one point, or Float8 for one in each lane.
+  // far side over the near side, in [1 / 10, 10]. T is float for one point, or FloatN for one in each lane.
   // Of facets that reflect all light.
   template <typename T = float>
   T reflecting(std::type_identity_t<T> cos_o, std::type_identity_t<T> alpha) const;

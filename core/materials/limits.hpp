@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clamps for texture-evaluated parameters, so that surfaces conserve energy. T is float or Float8.
+// Clamps for texture-evaluated parameters, so that surfaces conserve energy. T is float or FloatN.
 #pragma once
 
 #include "core/materials/microfacet.hpp"

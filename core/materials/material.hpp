@@ -5,6 +5,7 @@
 // docs/architecture.md tells how to add a model.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -25,6 +26,14 @@ namespace tessera::core {
 // Upper limits of parameters; texture values are clamped to them.
 inline constexpr float kMaxIor = 10, kMaxExponent = 1e5f, kMaxHairTiltDegrees = 20;
 
+// The least index of refraction relative to what is outside, among nested dielectrics.
+inline constexpr float kMinRelativeIor = 1 / kMaxIor;
+
+// The lower limit of an index of refraction: textures have none below 1.
+inline float min_ior(const ScalarParameter& ior) {
+  return ior.texture < 0 ? kMinRelativeIor : 1.0f;
+}
+
 // Ideal diffuse reflection on both sides (Lambert 1760).
 struct Lambert {
   ColorParameter albedo{Rgb::gray(0.5f)};
@@ -44,6 +53,7 @@ struct Glass {
   DielectricFresnel fresnel = DielectricFresnel::kExact;
   ScalarParameter roughness = 0;  // alpha is its square; smooth if that is below kMinAlpha
   MicrofacetKind microfacets{};
+  float priority = 0;  // where it overlaps other dielectrics (core/scene/nested_dielectrics.hpp); 0 for none
 };
 
 // The sampling density of Phong's highlight, by the angle alpha to the mirror direction: proportional to
@@ -116,6 +126,7 @@ struct Principled {
   bool geometry_thin_walled = false;  // a sheet without volume: transmitted light is not refracted
   TangentDirection tangent{}, coat_tangent{};
   NormalMap geometry_coat_normal{};  // of the coat, in place of the material's maps
+  float priority = 0;                // as Glass's, if it is a clear solid
 };
 
 // A dielectric boundary over a diffuse base, with reflection between the two inside (Walter et al. 2007;
@@ -241,7 +252,7 @@ struct Material {
 inline bool passes_straight(const Material& material) {
   if (!is_black(material.emission.value)) return false;
   if (const auto* glass = std::get_if<Glass>(&material.model))
-    return glass->ior.texture < 0 && glass->ior.value - 1 < kMinBending;
+    return glass->ior.texture < 0 && std::fabs(glass->ior.value - 1) < kMinBending;
   return std::holds_alternative<ThinDielectric>(material.model);
 }
 

@@ -16,7 +16,7 @@ namespace tessera::core {
 // surface.
 inline constexpr float kMinAlpha = 1e-3f;
 
-// T is float for one point, or Float8 for one in each lane.
+// T is float for one point, or FloatN for one in each lane.
 template <typename T>
 class GgxOf {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tangent-space normal mapping. T is float for one point, or Float8 for eight.
+// Tangent-space normal mapping. T is float for one point, or FloatN for points in lanes.
 #pragma once
 
 #include "core/materials/material.hpp"

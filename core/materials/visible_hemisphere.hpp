@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The normals of a hemisphere that are visible from a direction, from which the visible normals of GGX
-// follow by stretching (Heitz 2018). T is float for one point, or Float8 for one in each lane.
+// follow by stretching (Heitz 2018). T is float for one point, or FloatN for one in each lane.
 #pragma once
 
 #include <cmath>

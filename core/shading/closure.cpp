@@ -240,6 +240,6 @@ DeltaBranches ClosureOf<T>::delta_branches(Vec3 wo_local) const {
 }
 
 template class ClosureOf<float>;
-template class ClosureOf<Float8>;
+template class ClosureOf<FloatN>;
 
 }  // namespace tessera::core

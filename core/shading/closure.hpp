@@ -2,7 +2,7 @@
 // A surface made of lobes in layers, in each lane. Light that the upper layers reflect to the viewer is taken
 // from the lower ones, by the directional albedo for the viewer's direction only: so no energy is gained or
 // lost, at the price of reciprocity (Turquin 2019; OpenPBR 1.1, albedo scaling). T is float for one point, or
-// Float8 for one in each lane, whose lanes may have different lobes. Lobes that no lane has cost nothing.
+// FloatN for one in each lane, whose lanes may have different lobes. Lobes that no lane has cost nothing.
 // Directions as in bsdf.hpp.
 #pragma once
 
@@ -179,6 +179,6 @@ void ClosureOf<T>::add(MaskOf<T> lanes, const std::tuple_element_t<kSlot, Lobes>
 }
 
 extern template class ClosureOf<float>;
-extern template class ClosureOf<Float8>;
+extern template class ClosureOf<FloatN>;
 
 }  // namespace tessera::core

@@ -9,7 +9,7 @@
 
 namespace tessera::core {
 
-// T is float for one point, or Float8 for one in each lane.
+// T is float for one point, or FloatN for one in each lane.
 template <typename T>
 struct CookTorranceBsdfOf {
   MaskOf<T> is_delta() const { return false; }

@@ -8,7 +8,6 @@
 #include "core/materials/directional_albedo.hpp"
 #include "core/materials/fresnel.hpp"
 #include "core/materials/microfacet.hpp"
-#include "core/math/lane_array.hpp"
 #include "core/math/table_interpolation.hpp"
 #include "core/sampling/warp.hpp"
 
@@ -125,16 +124,12 @@ namespace {
 
 constexpr float kMinSheenRoughness = 0.1f;
 
-float power_of(float base, float exponent) {
-  return static_cast<float>(pow(static_cast<double>(base), static_cast<double>(exponent)));
-}
-
 template <typename T>
 T sheen(Vec3Of<T> wo, Vec3Of<T> wi, T roughness) {
   const T cos_h = (wo.z + wi.z) / length(wo + wi);
   const T sin2 = larger(T(0.0f), 1 - cos_h * cos_h);
   const T inverse_alpha = 1 / (roughness * roughness);
-  const T power = in_each_lane(power_of, sin2, inverse_alpha / 2);
+  const T power = to_float(pow(widened(sin2), widened(inverse_alpha / 2)));
   const T density = (2 + inverse_alpha) * power / (2 * kPi);
   return density / (4 * (wo.z + wi.z - wo.z * wi.z));
 }
@@ -209,12 +204,12 @@ T SheenLobe<T>::albedo(T cos_o) const {
 }
 
 template struct DiffuseLobe<float>;
-template struct DiffuseLobe<Float8>;
+template struct DiffuseLobe<FloatN>;
 template struct DiffuseTransmissionLobe<float>;
-template struct DiffuseTransmissionLobe<Float8>;
+template struct DiffuseTransmissionLobe<FloatN>;
 template struct CoveredDiffuseLobe<float>;
-template struct CoveredDiffuseLobe<Float8>;
+template struct CoveredDiffuseLobe<FloatN>;
 template struct SheenLobe<float>;
-template struct SheenLobe<Float8>;
+template struct SheenLobe<FloatN>;
 
 }  // namespace tessera::core

@@ -76,12 +76,12 @@ struct SheenLobe : RoughLobe<T> {
 };
 
 extern template struct DiffuseLobe<float>;
-extern template struct DiffuseLobe<Float8>;
+extern template struct DiffuseLobe<FloatN>;
 extern template struct DiffuseTransmissionLobe<float>;
-extern template struct DiffuseTransmissionLobe<Float8>;
+extern template struct DiffuseTransmissionLobe<FloatN>;
 extern template struct CoveredDiffuseLobe<float>;
-extern template struct CoveredDiffuseLobe<Float8>;
+extern template struct CoveredDiffuseLobe<FloatN>;
 extern template struct SheenLobe<float>;
-extern template struct SheenLobe<Float8>;
+extern template struct SheenLobe<FloatN>;
 
 }  // namespace tessera::core

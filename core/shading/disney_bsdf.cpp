@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/shading/disney_bsdf.hpp"
 
-#include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "core/materials/fresnel.hpp"
 #include "core/materials/limits.hpp"
-#include "core/materials/material.hpp"
 #include "core/math/elementary.hpp"
 #include "core/sampling/warp.hpp"
+#include "core/shading/shares.hpp"
 
 namespace tessera::core {
 namespace {
@@ -16,267 +16,338 @@ namespace {
 constexpr float kClearcoatF0 = 0.04f, kClearcoatWeight = 0.25f, kClearcoatMaskingAlpha = 0.25f;
 constexpr float kSheenAlbedo = 0.2f;  // roughly, for sampling
 
-float share(float value) {
-  return value > 0 ? std::min(value, 1.0f) : 0.0f;
-}
-
-Rgb share(Rgb color) {
-  return {share(color.r), share(color.g), share(color.b)};
-}
-
-float lerp(float a, float b, float t) {
-  return a + (b - a) * t;
-}
-
-Rgb root(Rgb color) {
-  return {std::sqrt(color.r), std::sqrt(color.g), std::sqrt(color.b)};
+template <typename T>
+RgbOf<T> root(RgbOf<T> color) {
+  using std::sqrt;
+  return {sqrt(color.r), sqrt(color.g), sqrt(color.b)};
 }
 
 // Schlick's weight of the reflectance at grazing angles.
-float grazing(float cosine) {
-  return fifth_power(1 - std::clamp(cosine, 0.0f, 1.0f));
+template <typename T>
+T grazing(T cosine) {
+  return fifth_power(1 - clamp_between(cosine, 0.0f, 1.0f));
 }
 
-Vec3 mirrored_below(Vec3 w) {
+template <typename T>
+Vec3Of<T> mirrored_below(Vec3Of<T> w) {
   return {w.x, w.y, -w.z};
 }
 
-Microfacets separable_ggx(float roughness, float anisotropic) {
-  const float alpha = squared_roughness(roughness), aspect = std::sqrt(1 - 0.9f * anisotropic);
-  const auto limited = [](float a) { return std::clamp(a, kMinAlpha, 1.0f); };
+template <typename T>
+MicrofacetsOf<T> separable_ggx(T roughness, T anisotropic) {
+  using std::sqrt;
+  const T alpha = squared_roughness(roughness), aspect = sqrt(1 - 0.9f * anisotropic);
   return {{MicrofacetDistribution::kGgx, SmithMasking::kSeparable},
-          limited(alpha / aspect),
-          limited(alpha * aspect)};
+          clamp_between(alpha / aspect, kMinAlpha, 1.0f),
+          clamp_between(alpha * aspect, kMinAlpha, 1.0f)};
 }
 
 }  // namespace
 
-DisneyBsdf::DisneyBsdf(const Disney& model, const std::vector<Texture>& textures, const UvSets& uv,
-                       bool outside, Rgb tint)
-    : thin_(model.thin_walled) {
-  const auto at = [&](const ScalarParameter& parameter) { return share(parameter.evaluate(textures, uv)); };
-  const float ior = std::clamp(model.ior.evaluate(textures, uv), 1.0f, kMaxIor);
-  base_color_ = share(share(model.base_color.evaluate(textures, uv)) * tint);
-  roughness_ = at(model.roughness);
-  const bool inside = !outside && !thin_ && transmits_light(model);
-  const float metallic = thin_ ? 0 : at(model.metallic), transmission = at(model.specular_transmission);
+template <typename T>
+DisneyBsdfOf<T>::DisneyBsdfOf(const Model& model)
+    : thin_(model.holds([](const Disney& m) { return m.thin_walled; })),
+      roughness_(unit(model(&Disney::roughness))) {
+  const T ior = clamp_between(model(&Disney::ior), 1.0f, kMaxIor);
+  base_color_ = unit(unit(model(&Disney::base_color)) * model.at().tint);
+  const MaskOf<T> clear = model.holds([](const Disney& m) { return transmits_light(m); });
+  inside_ = clear & !(model.at().outside | thin_);
+  const T metallic = select(thin_, T(0.0f), unit(model(&Disney::metallic)));
+  const T transmission = unit(model(&Disney::specular_transmission));
   clear_ = (1 - metallic) * transmission;
-  eta_ = clear_ > 0 ? std::max(ior, 1 + kMinBending) : ior;
-  if (inside) eta_ = 1 / eta_;
-  set_facets(roughness_, at(model.anisotropic), ior);
-  const float specular_tint = at(model.specular_tint);
-  set_colors(specular_tint, at(model.sheen_tint), ior);
-  dielectric_ = clear_;
-  if (inside) return;
-  const float reflecting = thin_ ? transmission : 1 - metallic;
-  dielectric_ = reflecting * (1 - specular_tint);
-  tinted_ = reflecting * specular_tint;
-  metal_ = metallic;
-  const float through = thin_ ? at(model.diffuse_transmission) : 0;
-  const float opaque = (1 - metallic) * (1 - transmission);
-  diffuse_ = opaque * (1 - through);
-  diffuse_through_ = opaque * through;
-  flatness_ = at(model.flatness);
-  sheen_ = at(model.sheen) * (thin_ ? diffuse_ : 1 - metallic);
-  clearcoat_ = thin_ ? 0 : at(model.clearcoat);
-  if (clearcoat_ == 0) return;
-  const float alpha = lerp(0.1f, 0.001f, at(model.clearcoat_gloss));
-  clearcoat_alpha2_ = alpha * alpha;
-  const auto log_alpha2 = static_cast<float>(log(static_cast<double>(clearcoat_alpha2_)));
-  clearcoat_norm_ = (clearcoat_alpha2_ - 1) / (kPi * log_alpha2);
+  eta_ = select(clear_ > 0, larger(ior, T(1 + kMinBending)), ior);
+  eta_ = select(inside_, 1 / eta_, eta_);
+  const T specular_tint = unit(model(&Disney::specular_tint));
+  set_facets(unit(model(&Disney::anisotropic)), ior);
+  set_colors(specular_tint, unit(model(&Disney::sheen_tint)), ior);
+  set_weights(model, specular_tint, metallic, transmission);
+  set_clearcoat(model);
 }
 
 // What a sheet transmits is blurred less, the lower the index (Burley 2015, figure 15).
-void DisneyBsdf::set_facets(float roughness, float anisotropic, float ior) {
-  facets_ = separable_ggx(roughness, anisotropic);
-  if (thin_) sheet_facets_ = separable_ggx(share((0.65f * ior - 0.35f) * roughness), anisotropic);
+template <typename T>
+void DisneyBsdfOf<T>::set_facets(T anisotropic, T ior) {
+  facets_ = separable_ggx(roughness_, anisotropic);
+  if (any(thin_)) sheet_facets_ = separable_ggx(unit((0.65f * ior - 0.35f) * roughness_), anisotropic);
 }
 
-void DisneyBsdf::set_colors(float specular_tint, float sheen_tint, float ior) {
+template <typename T>
+void DisneyBsdfOf<T>::set_colors(T specular_tint, T sheen_tint, T ior) {
   // Two crossings of a solid give the base colour.
-  transmission_color_ = thin_ ? base_color_ : root(base_color_);
-  sheen_color_ = Rgb::gray(1);
-  if (specular_tint == 0 && sheen_tint == 0) return;
-  const float brightness = luminance(base_color_);
-  const Rgb hue = brightness > 0 ? base_color_ / brightness : Rgb::gray(1);
-  const float contrast = (ior - 1) / (ior + 1);
-  tinted_f0_ = share(hue * (contrast * contrast));
-  sheen_color_ = Rgb::gray(1) + (hue - Rgb::gray(1)) * sheen_tint;
+  transmission_color_ = select(thin_, base_color_, root(base_color_));
+  sheen_color_ = RgbOf<T>::gray(T(1.0f));
+  const MaskOf<T> tinted = (specular_tint != 0) | (sheen_tint != 0);
+  if (!any(tinted)) return;
+  const T brightness = luminance(base_color_);
+  const RgbOf<T> white = sheen_color_, hue = select(brightness > 0, base_color_ / brightness, white);
+  const T contrast = (ior - 1) / (ior + 1);
+  tinted_f0_ = select(tinted, unit(hue * (contrast * contrast)), tinted_f0_);
+  sheen_color_ = select(tinted, white + (hue - white) * sheen_tint, sheen_color_);
 }
 
-void DisneyBsdf::orient(Vec3 tangent_local) {
-  const float length2 = tangent_local.x * tangent_local.x + tangent_local.y * tangent_local.y;
-  if (!(length2 > 0)) return;
-  const float scale = 1 / std::sqrt(length2);
-  tangent_ = {tangent_local.x * scale, tangent_local.y * scale};
+template <typename T>
+void DisneyBsdfOf<T>::set_weights(const Model& model, T specular_tint, T metallic, T transmission) {
+  const auto outside = [&](T weight) { return select(inside_, T(0.0f), weight); };
+  const T reflecting = select(thin_, transmission, 1 - metallic);
+  dielectric_ = select(inside_, clear_, reflecting * (1 - specular_tint));
+  tinted_ = outside(reflecting * specular_tint);
+  metal_ = outside(metallic);
+  const T through = select(thin_, unit(model(&Disney::diffuse_transmission)), T(0.0f));
+  const T opaque = (1 - metallic) * (1 - transmission);
+  diffuse_ = outside(opaque * (1 - through));
+  diffuse_through_ = outside(opaque * through);
+  flatness_ = outside(unit(model(&Disney::flatness)));
+  sheen_ = outside(unit(model(&Disney::sheen)) * select(thin_, diffuse_, 1 - metallic));
+  clearcoat_ = select(inside_ | thin_, T(0.0f), unit(model(&Disney::clearcoat)));
+}
+
+template <typename T>
+void DisneyBsdfOf<T>::set_clearcoat(const Model& model) {
+  if (!any(clearcoat_ != 0)) return;
+  const T alpha = mix(T(0.1f), T(0.001f), unit(model(&Disney::clearcoat_gloss)));
+  clearcoat_alpha2_ = alpha * alpha;
+  const T log_alpha2 = to_float(log(widened(clearcoat_alpha2_)));
+  clearcoat_norm_ = (clearcoat_alpha2_ - 1) / (kPi * log_alpha2);
+}
+
+template <typename T>
+void DisneyBsdfOf<T>::orient(Vec3Of<T> tangent_local) {
+  using std::sqrt;
+  const T length2 = tangent_local.x * tangent_local.x + tangent_local.y * tangent_local.y;
+  const MaskOf<T> known = length2 > 0;
+  const T scale = 1 / sqrt(length2);
+  tangent_x_ = select(known, tangent_local.x * scale, tangent_x_);
+  tangent_y_ = select(known, tangent_local.y * scale, tangent_y_);
 }
 
 // Burley 2012, section 5.4, with Fresnel's exact reflectance of a dielectric that is not tinted.
-Rgb DisneyBsdf::reflectance(float cos_h) const {
-  Rgb sum = Rgb::gray(dielectric_ * fresnel_dielectric(cos_h, eta_));
-  if (metal_ > 0) sum += fresnel_schlick(cos_h, base_color_) * metal_;
-  if (tinted_ > 0) sum += fresnel_schlick(cos_h, tinted_f0_) * tinted_;
+template <typename T>
+RgbOf<T> DisneyBsdfOf<T>::reflectance(T cos_h) const {
+  RgbOf<T> sum = RgbOf<T>::gray(dielectric_ * fresnel_dielectric<T>(cos_h, eta_));
+  const auto add = [&](T weight, RgbOf<T> f0) {
+    const MaskOf<T> reflects = weight > 0;
+    if (any(reflects)) sum = select(reflects, sum + fresnel_schlick(cos_h, f0) * weight, sum);
+  };
+  add(metal_, base_color_);
+  add(tinted_, tinted_f0_);
   return sum;
 }
 
-Rgb DisneyBsdf::transmittance(float cos_h) const {
-  return transmission_color_ * (clear_ * (1 - fresnel_dielectric(cos_h, eta_)));
+template <typename T>
+RgbOf<T> DisneyBsdfOf<T>::transmittance(T cos_h) const {
+  return transmission_color_ * (clear_ * (1 - fresnel_dielectric<T>(cos_h, eta_)));
 }
 
-DisneyBsdf::Chances DisneyBsdf::chances(float cos_o) const {
-  Chances all{};
-  const float base = max_component(base_color_);
-  all[kFacets] = max_component(reflectance(cos_o));
-  if (clear_ > 0) all[kFacets] += max_component(transmittance(cos_o));
-  all[kClearcoat] = clearcoat_ * lerp(kClearcoatF0, 1, grazing(cos_o)) * cos_o;
-  all[kDiffuse] = diffuse_ * base + sheen_ * max_component(sheen_color_) * kSheenAlbedo;
-  all[kThrough] = diffuse_through_ * base;
-  const float sum = all[kFacets] + all[kClearcoat] + all[kDiffuse] + all[kThrough];
-  for (float& chance : all) chance = sum > 0 ? chance / sum : 0;
+template <typename T>
+typename DisneyBsdfOf<T>::Chances DisneyBsdfOf<T>::chances(T cos_o) const {
+  Chances all;
+  const T base = max_component(base_color_);
+  const MaskOf<T> clear = clear_ > 0;
+  all.facets = max_component(reflectance(cos_o));
+  if (any(clear)) all.facets = select(clear, all.facets + max_component(transmittance(cos_o)), all.facets);
+  all.clearcoat = clearcoat_ * mix(T(kClearcoatF0), T(1.0f), grazing(cos_o)) * cos_o;
+  all.diffuse = diffuse_ * base + sheen_ * max_component(sheen_color_) * kSheenAlbedo;
+  all.through = diffuse_through_ * base;
+  const T sum = all.facets + all.clearcoat + all.diffuse + all.through;
+  for (T* chance : {&all.facets, &all.clearcoat, &all.diffuse, &all.through})
+    *chance = select(sum > 0, *chance / sum, T(0.0f));
   return all;
 }
 
-float DisneyBsdf::transmission_chance(float cos_h) const {
-  if (!(clear_ > 0)) return 0;
-  const float passed = max_component(transmittance(cos_h)), thrown_back = max_component(reflectance(cos_h));
-  return passed > 0 ? passed / (passed + thrown_back) : 0;
+template <typename T>
+T DisneyBsdfOf<T>::transmission_chance(T cos_h) const {
+  const MaskOf<T> clear = clear_ > 0;
+  if (!any(clear)) return T(0.0f);
+  const T through = max_component(transmittance(cos_h)), thrown_back = max_component(reflectance(cos_h));
+  return select(clear & (through > 0), through / (through + thrown_back), T(0.0f));
 }
 
 // Burley 2015, eq. 4 and section 5.3, without the cosine; cos_d is that of the angle to the half vector.
-Rgb DisneyBsdf::diffuse(float cos_o, float cos_i, float cos_d) const {
-  const float o = grazing(cos_o), i = grazing(cos_i), retro = 2 * roughness_ * cos_d * cos_d;
-  float shape = (1 - 0.5f * o) * (1 - 0.5f * i) + retro * (o + i + o * i * (retro - 1));
-  if (flatness_ > 0) {
-    const float below = lerp(1, retro / 2, o) * lerp(1, retro / 2, i);
-    shape = lerp(shape, 1.25f * (below * (1 / (cos_o + cos_i) - 0.5f) + 0.5f), flatness_);
+template <typename T>
+RgbOf<T> DisneyBsdfOf<T>::diffuse(T cos_o, T cos_i, T cos_d) const {
+  const T o = grazing(cos_o), i = grazing(cos_i), retro = 2 * roughness_ * cos_d * cos_d;
+  T shape = (1 - 0.5f * o) * (1 - 0.5f * i) + retro * (o + i + o * i * (retro - 1));
+  const MaskOf<T> flat = flatness_ > 0;
+  if (any(flat)) {
+    const T below = mix(T(1.0f), retro / 2, o) * mix(T(1.0f), retro / 2, i);
+    const T flattened = 1.25f * (below * (1 / (cos_o + cos_i) - 0.5f) + 0.5f);
+    shape = select(flat, mix(shape, flattened, flatness_), shape);
   }
   return (base_color_ * (diffuse_ * shape / kPi) + sheen_color_ * (sheen_ * grazing(cos_d))) * diffuse_scale_;
 }
 
 // GTR of exponent 1 (Burley 2012, eq. 4 of appendix B).
-float DisneyBsdf::clearcoat_density(Vec3 h) const {
+template <typename T>
+T DisneyBsdfOf<T>::clearcoat_density(Vec3Of<T> h) const {
   return clearcoat_norm_ / (h.x * h.x + h.y * h.y + clearcoat_alpha2_ * h.z * h.z);
 }
 
 // Normals in proportion to D cos (ibid., eq. 5).
-Vec3 DisneyBsdf::sample_clearcoat(Vec2 u) const {
-  const auto alpha2 = static_cast<double>(clearcoat_alpha2_);
-  const double sin2 = (pow(alpha2, 1 - static_cast<double>(u.x)) - alpha2) / (1 - alpha2);
+template <typename T>
+Vec3Of<T> DisneyBsdfOf<T>::sample_clearcoat(Vec2Of<T> u) const {
+  using std::sqrt;
+  using Real = WideOf<T>;
+  const Real alpha2 = widened(clearcoat_alpha2_);
+  const Real sin2 = (pow(alpha2, 1 - widened(u.x)) - alpha2) / (1 - alpha2);
   const auto [s, c] = sin_cos_turns(u.y);
-  const auto sine = static_cast<float>(std::sqrt(std::max(0.0, sin2)));
-  return {sine * c, sine * s, static_cast<float>(std::sqrt(std::max(0.0, 1 - sin2)))};
+  const T sine = to_float(sqrt(larger(Real(0.0), sin2)));
+  return {sine * c, sine * s, to_float(sqrt(larger(Real(0.0), 1 - sin2)))};
 }
 
-BsdfValue DisneyBsdf::reflected(Vec3 wo, Vec3 wi, float diffuse_cos) const {
+template <typename T>
+void DisneyBsdfOf<T>::add_clearcoat(Vec3Of<T> wo, Vec3Of<T> wi, Vec3Of<T> h, T chance,
+                                    BsdfValueOf<T>& sum) const {
+  const MaskOf<T> coated = clearcoat_ > 0;
+  if (!any(coated)) return;
+  const GgxOf<T> masking(T{kClearcoatMaskingAlpha});
+  const T density = clearcoat_density(h), unmasked = masking.visible(wo.z) * masking.visible(wi.z);
+  const T cos_h = dot(wo, h), reflected = mix(T(kClearcoatF0), T(1.0f), grazing(cos_h));
+  const T value = clearcoat_ * kClearcoatWeight * reflected * density * unmasked * wi.z;
+  sum.value = select(coated, sum.value + RgbOf<T>::gray(value), sum.value);
+  sum.pdf = select(coated, sum.pdf + chance * density * h.z * (1 / (4 * cos_h)), sum.pdf);
+}
+
+template <typename T>
+BsdfValueOf<T> DisneyBsdfOf<T>::reflected(Vec3Of<T> wo, Vec3Of<T> wi, T diffuse_cos) const {
   const Chances chance = chances(wo.z);
-  const Vec3 h = normalize(wo + wi);
-  const float cos_h = dot(wo, h), per_direction = 1 / (4 * cos_h);
-  const float stays = 1 - transmission_chance(thin_ ? wo.z : cos_h);
-  BsdfValue sum;
+  const Vec3Of<T> h = normalize(wo + wi);
+  const T cos_h = dot(wo, h), per_direction = 1 / (4 * cos_h);
+  const T stays = 1 - transmission_chance(select(thin_, wo.z, cos_h));
+  BsdfValueOf<T> sum;
   sum.value = reflectance(cos_h) * (facets_.density(h) * facets_.smith_visibility(wo, wi) * wi.z);
-  sum.pdf = chance[kFacets] * stays * facets_.pdf_visible(wo, h) * per_direction;
-  if (clearcoat_ > 0) {
-    const Ggx masking(kClearcoatMaskingAlpha);
-    const float density = clearcoat_density(h);
-    const float unmasked = masking.visible(wo.z) * masking.visible(wi.z);
-    sum.value += Rgb::gray(clearcoat_ * kClearcoatWeight * lerp(kClearcoatF0, 1, grazing(cos_h)) * density *
-                           unmasked * wi.z);
-    sum.pdf += chance[kClearcoat] * density * h.z * per_direction;
-  }
-  if (diffuse_ > 0 || sheen_ > 0) sum.value += diffuse(wo.z, wi.z, cos_h) * diffuse_cos;
-  sum.pdf += chance[kDiffuse] * pdf_cosine_hemisphere(wi.z);
+  sum.pdf = chance.facets * stays * facets_.pdf_visible(wo, h) * per_direction;
+  add_clearcoat(wo, wi, h, chance.clearcoat, sum);
+  const MaskOf<T> scatters = (diffuse_ > 0) | (sheen_ > 0);
+  if (any(scatters))
+    sum.value = select(scatters, sum.value + diffuse(wo.z, wi.z, cos_h) * diffuse_cos, sum.value);
+  sum.pdf = sum.pdf + chance.diffuse * pdf_cosine_hemisphere(wi.z);
   return sum;
 }
 
 // Walter et al. 2007, eq. 17 and 21. Its eta^2 cancels against the compression of radiance (Veach 1997,
 // section 5.2).
-BsdfValue DisneyBsdf::refracted_through_facets(Vec3 wo, Vec3 wi) const {
-  const Vec3 across = wo + wi * eta_;
-  const Vec3 h = normalize(across.z > 0 ? across : -across);
-  const float cos_oh = dot(wo, h), cos_ih = dot(wi, h);
-  if (!(cos_oh > 0 && cos_ih < 0)) return {};
-  const float sum = cos_oh + eta_ * cos_ih, ratio = eta_ * eta_ * -cos_ih / (sum * sum);
-  const float visibility = facets_.smith_visibility(wo, mirrored_below(wi));
-  const float passed = 4 * facets_.density(h) * visibility * cos_oh * -wi.z * ratio / (eta_ * eta_);
-  return {transmittance(cos_oh) * passed,
-          chances(wo.z)[kFacets] * transmission_chance(cos_oh) * facets_.pdf_visible(wo, h) * ratio};
+template <typename T>
+BsdfValueOf<T> DisneyBsdfOf<T>::refracted_through_facets(Vec3Of<T> wo, Vec3Of<T> wi) const {
+  const Vec3Of<T> across = wo + wi * eta_;
+  const Vec3Of<T> h = normalize(select(across.z > 0, across, -across));
+  const T cos_oh = dot(wo, h), cos_ih = dot(wi, h);
+  const T sum = cos_oh + eta_ * cos_ih, ratio = eta_ * eta_ * -cos_ih / (sum * sum);
+  const T visibility = facets_.smith_visibility(wo, mirrored_below(wi));
+  const T through = 4 * facets_.density(h) * visibility * cos_oh * -wi.z * ratio / (eta_ * eta_);
+  return only_where<T>((cos_oh > 0) & (cos_ih < 0),
+                       {transmittance(cos_oh) * through, chances(wo.z).facets * transmission_chance(cos_oh) *
+                                                             facets_.pdf_visible(wo, h) * ratio});
 }
 
 // Specular transmission as a reflection to the other side, and diffuse transmission.
-BsdfValue DisneyBsdf::passed_through_sheet(Vec3 wo, Vec3 wi) const {
+template <typename T>
+BsdfValueOf<T> DisneyBsdfOf<T>::passed_through_sheet(Vec3Of<T> wo, Vec3Of<T> wi) const {
   const Chances chance = chances(wo.z);
-  const Vec3 above = mirrored_below(wi), h = normalize(wo + above);
-  const float cos_h = dot(wo, h);
-  BsdfValue sum{base_color_ * (diffuse_through_ * above.z / kPi),
-                chance[kThrough] * pdf_cosine_hemisphere(above.z)};
-  if (clear_ > 0) {
-    const float visibility = sheet_facets_.smith_visibility(wo, above);
-    sum.value += transmittance(cos_h) * (sheet_facets_.density(h) * visibility * above.z);
-    sum.pdf += chance[kFacets] * transmission_chance(wo.z) * sheet_facets_.pdf_visible(wo, h) / (4 * cos_h);
-  }
-  return sum;
+  const Vec3Of<T> above = mirrored_below(wi), h = normalize(wo + above);
+  const T cos_h = dot(wo, h);
+  BsdfValueOf<T> sum{base_color_ * (diffuse_through_ * above.z / kPi),
+                     chance.through * pdf_cosine_hemisphere(above.z)};
+  const MaskOf<T> clear = clear_ > 0;
+  if (!any(clear)) return sum;
+  const T visibility = sheet_facets_.smith_visibility(wo, above);
+  const RgbOf<T> value = transmittance(cos_h) * (sheet_facets_.density(h) * visibility * above.z);
+  const T pdf = chance.facets * transmission_chance(wo.z) * sheet_facets_.pdf_visible(wo, h) / (4 * cos_h);
+  return {select(clear, sum.value + value, sum.value), select(clear, sum.pdf + pdf, sum.pdf)};
 }
 
-BsdfValue DisneyBsdf::evaluate_turned(Vec3 wo, Vec3 wi, float diffuse_cos) const {
-  if (!(wo.z > 0) || wi.z == 0) return {};
-  if (wi.z > 0) return reflected(wo, wi, diffuse_cos);
-  if (!transmits()) return {};
-  return thin_ ? passed_through_sheet(wo, wi) : refracted_through_facets(wo, wi);
+template <typename T>
+BsdfValueOf<T> DisneyBsdfOf<T>::passed(Vec3Of<T> wo, Vec3Of<T> wi) const {
+  if (!any(thin_)) return refracted_through_facets(wo, wi);
+  const BsdfValueOf<T> through = passed_through_sheet(wo, wi);
+  if (all(thin_)) return through;
+  const BsdfValueOf<T> refracted = refracted_through_facets(wo, wi);
+  return {select(thin_, through.value, refracted.value), select(thin_, through.pdf, refracted.pdf)};
+}
+
+template <typename T>
+BsdfValueOf<T> DisneyBsdfOf<T>::evaluate_turned(Vec3Of<T> wo, Vec3Of<T> wi, T diffuse_cos) const {
+  const MaskOf<T> lit = (wo.z > 0) & (wi.z != 0), reflects = wi.z > 0;
+  const MaskOf<T> above = lit & reflects, below = lit & !reflects & transmits();
+  BsdfValueOf<T> value{};
+  if (any(above)) value = only_where<T>(above, reflected(wo, wi, diffuse_cos));
+  if (!any(below)) return value;
+  const BsdfValueOf<T> through = passed(wo, wi);
+  return {select(below, through.value, value.value), select(below, through.pdf, value.pdf)};
 }
 
 namespace {
 
 // Coordinates by a tangent, and back.
-Vec3 by_tangent(Vec2 t, Vec3 w) {
-  return {t.x * w.x + t.y * w.y, t.x * w.y - t.y * w.x, w.z};
+template <typename T>
+Vec3Of<T> by_tangent(T x, T y, Vec3Of<T> w) {
+  return {x * w.x + y * w.y, x * w.y - y * w.x, w.z};
 }
-Vec3 from_tangent(Vec2 t, Vec3 w) {
-  return {t.x * w.x - t.y * w.y, t.x * w.y + t.y * w.x, w.z};
+template <typename T>
+Vec3Of<T> from_tangent(T x, T y, Vec3Of<T> w) {
+  return {x * w.x - y * w.y, x * w.y + y * w.x, w.z};
 }
 
 }  // namespace
 
-BsdfValue DisneyBsdf::evaluate(Vec3 wo_local, Vec3 wi_local, float diffuse_cos) const {
-  return evaluate_turned(by_tangent(tangent_, wo_local), by_tangent(tangent_, wi_local), diffuse_cos);
+template <typename T>
+BsdfValueOf<T> DisneyBsdfOf<T>::evaluate(Vec3Of<T> wo_local, Vec3Of<T> wi_local, T diffuse_cos) const {
+  return evaluate_turned(by_tangent(tangent_x_, tangent_y_, wo_local),
+                         by_tangent(tangent_x_, tangent_y_, wi_local), diffuse_cos);
 }
 
-std::optional<Vec3> DisneyBsdf::sample_facets(Vec3 wo, Vec2 u, float u_side) const {
-  if (thin_ && u_side < transmission_chance(wo.z)) {
-    const Vec3 above = reflect(wo, sheet_facets_.sample_visible(wo, u));
-    return above.z > 0 ? std::optional(mirrored_below(above)) : std::nullopt;
-  }
-  const Vec3 h = facets_.sample_visible(wo, u);
-  const float cos_h = dot(wo, h);
-  if (!(cos_h > 0)) return std::nullopt;
-  if (!thin_ && u_side < transmission_chance(cos_h)) {
-    const auto wi = refract(wo, h, eta_);
-    return wi && wi->z < 0 ? wi : std::nullopt;
-  }
-  const Vec3 wi = reflect(wo, h);
-  return wi.z > 0 ? std::optional(wi) : std::nullopt;
+template <typename T>
+typename DisneyBsdfOf<T>::Direction DisneyBsdfOf<T>::sample_sheet(Vec3Of<T> wo, Vec2Of<T> u) const {
+  const Vec3Of<T> above = reflect(wo, sheet_facets_.sample_visible(wo, u));
+  return {above.z > 0, mirrored_below(above)};
 }
 
-std::optional<BsdfSample> DisneyBsdf::sample(Vec3 wo_local, Vec2 u, float u_lobe) const {
-  if (!(wo_local.z > 0)) return std::nullopt;
-  const Vec3 wo = by_tangent(tangent_, wo_local);
+template <typename T>
+typename DisneyBsdfOf<T>::Direction DisneyBsdfOf<T>::sample_facets(Vec3Of<T> wo, Vec2Of<T> u,
+                                                                   T u_side) const {
+  const Vec3Of<T> h = facets_.sample_visible(wo, u);
+  const T cos_h = dot(wo, h);
+  const MaskOf<T> transmits = u_side < transmission_chance(select(thin_, wo.z, cos_h));
+  const MaskOf<T> refracts = transmits & !thin_, passes_sheet = transmits & thin_;
+  const auto [bends, through] = refracted(wo, h, eta_);
+  const Vec3Of<T> back = reflect(wo, h);
+  const MaskOf<T> right_side = select_mask(refracts, bends & (through.z < 0), back.z > 0);
+  const MaskOf<T> found = right_side & (cos_h > 0);
+  const Direction facets{found, select(refracts, through, back)};
+  if (!any(passes_sheet)) return facets;
+  const Direction sheet = sample_sheet(wo, u);
+  return {select_mask(passes_sheet, sheet.found, facets.found), select(passes_sheet, sheet.wi, facets.wi)};
+}
+
+template <typename T>
+typename DisneyBsdfOf<T>::Direction DisneyBsdfOf<T>::sample_direction(Vec3Of<T> wo, Vec2Of<T> u,
+                                                                      T u_lobe) const {
   const Chances chance = chances(wo.z);
-  std::optional<Vec3> wi;
-  if (u_lobe < chance[kFacets]) {
-    wi = sample_facets(wo, u, u_lobe / chance[kFacets]);
-  } else if (u_lobe < chance[kFacets] + chance[kClearcoat]) {
-    const Vec3 mirrored = reflect(wo, sample_clearcoat(u));
-    if (mirrored.z > 0) wi = mirrored;
-  } else {
-    wi = sample_cosine_hemisphere(u);
-    if (u_lobe >= 1 - chance[kThrough]) wi = mirrored_below(*wi);
+  const MaskOf<T> facets = u_lobe < chance.facets;
+  const MaskOf<T> clearcoat = (u_lobe < chance.facets + chance.clearcoat) & !facets;
+  const Vec3Of<T> even = sample_cosine_hemisphere(u);
+  Direction sampled{true, select(u_lobe >= 1 - chance.through, mirrored_below(even), even)};
+  if (any(facets)) {
+    const Direction one = sample_facets(wo, u, u_lobe / chance.facets);
+    sampled = {select_mask(facets, one.found, sampled.found), select(facets, one.wi, sampled.wi)};
   }
-  if (!wi) return std::nullopt;
-  const BsdfValue value = evaluate_turned(wo, *wi, wi->z);
-  if (!(value.pdf > 0)) return std::nullopt;
-  BsdfSample sample = weighed_sample(from_tangent(tangent_, *wi), value);
-  sample.transmitted = wi->z < 0;
-  if (sample.transmitted) sample.eta = transmitted_eta();
+  if (any(clearcoat)) {
+    const Vec3Of<T> one = reflect(wo, sample_clearcoat(u));
+    sampled = {select_mask(clearcoat, one.z > 0, sampled.found), select(clearcoat, one, sampled.wi)};
+  }
+  return sampled;
+}
+
+template <typename T>
+BsdfSampleOf<T> DisneyBsdfOf<T>::sample(Vec3Of<T> wo_local, Vec2Of<T> u, T u_lobe) const {
+  const Vec3Of<T> wo = by_tangent(tangent_x_, tangent_y_, wo_local);
+  const auto [found, wi] = sample_direction(wo, u, u_lobe);
+  BsdfSampleOf<T> sample =
+      weighed_sample<T>((wo_local.z > 0) & found, wi, evaluate_turned(wo, wi, wi.z), transmitted_eta());
+  sample.wi_local = from_tangent(tangent_x_, tangent_y_, wi);
   return sample;
 }
+
+template class DisneyBsdfOf<float>;
+template class DisneyBsdfOf<FloatN>;
 
 }  // namespace tessera::core

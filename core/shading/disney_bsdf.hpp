@@ -1,66 +1,79 @@
 // SPDX-License-Identifier: Apache-2.0
 // Disney's principled BSDF (Burley 2012, 2015): GGX reflection of a dielectric or a metal, with transmission,
 // a clearcoat of the GTR1 distribution, and diffuse reflection with retro-reflection and sheen. The thin
-// sheet is that of Burley 2015, section 5.3. Masking is separable.
+// sheet is that of Burley 2015, section 5.3. Masking is separable. T is float for one point, or FloatN for
+// one in each lane.
 #pragma once
 
-#include <array>
-#include <optional>
-#include <vector>
-
 #include "core/materials/bsdf_sample.hpp"
-#include "core/materials/disney.hpp"
 #include "core/materials/microfacets.hpp"
+#include "core/materials/model_at.hpp"
 
 namespace tessera::core {
 
-class DisneyBsdf {
+template <typename T>
+class DisneyBsdfOf {
  public:
-  // Directions are those of bsdf.hpp. `outside` and `tint` as there.
-  DisneyBsdf(const Disney& model, const std::vector<Texture>& textures, const UvSets& uv, bool outside,
-             Rgb tint);
+  DisneyBsdfOf() = default;
+  // Directions are those of bsdf.hpp.
+  explicit DisneyBsdfOf(const ModelAt<T, Disney>& model);
 
-  void orient(Vec3 tangent_local);
-  bool is_delta() const { return false; }
-  bool transmits() const { return clear_ > 0 || diffuse_through_ > 0; }
-  void scale_diffuse(float factor) { diffuse_scale_ *= factor; }
-  BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local, float diffuse_cos) const;
-  std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
+  void orient(Vec3Of<T> tangent_local);
+  MaskOf<T> is_delta() const { return false; }
+  MaskOf<T> transmits() const { return (clear_ > 0) | (diffuse_through_ > 0); }
+  void scale_diffuse(T factor) { diffuse_scale_ = diffuse_scale_ * factor; }
+  BsdfValueOf<T> evaluate(Vec3Of<T> wo_local, Vec3Of<T> wi_local, T diffuse_cos) const;
+  BsdfSampleOf<T> sample(Vec3Of<T> wo_local, Vec2Of<T> u, T u_lobe) const;
 
   // The index of refraction on the far side over the near side.
-  float transmitted_eta() const { return thin_ ? 1 : eta_; }
+  T transmitted_eta() const { return select(thin_, T(1.0f), eta_); }
 
  private:
-  enum Lobe { kFacets, kClearcoat, kDiffuse, kThrough };  // kThrough: diffuse transmission
-  using Chances = std::array<float, 4>;
+  struct Chances {
+    T facets, clearcoat, diffuse, through;  // through: diffuse transmission
+  };
+  // A direction, in coordinates by the tangent.
+  struct Direction {
+    MaskOf<T> found;
+    Vec3Of<T> wi;
+  };
+  using Model = ModelAt<T, Disney>;
 
-  void set_facets(float roughness, float anisotropic, float ior);
-  void set_colors(float specular_tint, float sheen_tint, float ior);
-  Rgb reflectance(float cos_h) const;
-  Rgb transmittance(float cos_h) const;
-  Chances chances(float cos_o) const;
+  void set_facets(T anisotropic, T ior);
+  void set_colors(T specular_tint, T sheen_tint, T ior);
+  void set_weights(const Model& model, T specular_tint, T metallic, T transmission);
+  void set_clearcoat(const Model& model);
+  RgbOf<T> reflectance(T cos_h) const;
+  RgbOf<T> transmittance(T cos_h) const;
+  Chances chances(T cos_o) const;
   // The chance that a sampled facet transmits.
-  float transmission_chance(float cos_h) const;
-  Rgb diffuse(float cos_o, float cos_i, float cos_d) const;
-  float clearcoat_density(Vec3 h) const;
-  Vec3 sample_clearcoat(Vec2 u) const;
-  BsdfValue reflected(Vec3 wo, Vec3 wi, float diffuse_cos) const;
-  BsdfValue refracted_through_facets(Vec3 wo, Vec3 wi) const;
-  BsdfValue passed_through_sheet(Vec3 wo, Vec3 wi) const;
-  BsdfValue evaluate_turned(Vec3 wo, Vec3 wi, float diffuse_cos) const;
-  std::optional<Vec3> sample_facets(Vec3 wo, Vec2 u, float u_side) const;
+  T transmission_chance(T cos_h) const;
+  RgbOf<T> diffuse(T cos_o, T cos_i, T cos_d) const;
+  T clearcoat_density(Vec3Of<T> h) const;
+  Vec3Of<T> sample_clearcoat(Vec2Of<T> u) const;
+  void add_clearcoat(Vec3Of<T> wo, Vec3Of<T> wi, Vec3Of<T> h, T chance, BsdfValueOf<T>& sum) const;
+  BsdfValueOf<T> reflected(Vec3Of<T> wo, Vec3Of<T> wi, T diffuse_cos) const;
+  BsdfValueOf<T> refracted_through_facets(Vec3Of<T> wo, Vec3Of<T> wi) const;
+  BsdfValueOf<T> passed_through_sheet(Vec3Of<T> wo, Vec3Of<T> wi) const;
+  BsdfValueOf<T> passed(Vec3Of<T> wo, Vec3Of<T> wi) const;
+  BsdfValueOf<T> evaluate_turned(Vec3Of<T> wo, Vec3Of<T> wi, T diffuse_cos) const;
+  Direction sample_sheet(Vec3Of<T> wo, Vec2Of<T> u) const;
+  Direction sample_facets(Vec3Of<T> wo, Vec2Of<T> u, T u_side) const;
+  Direction sample_direction(Vec3Of<T> wo, Vec2Of<T> u, T u_lobe) const;
 
-  bool thin_;
-  float eta_;  // of the far side over the near side
-  float roughness_;
-  Microfacets facets_, sheet_facets_;  // sheet_facets_ transmit through a thin sheet
+  MaskOf<T> thin_{}, inside_{};  // inside_: inside of a solid
+  T eta_{};                      // of the far side over the near side
+  T roughness_{};
+  MicrofacetsOf<T> facets_, sheet_facets_;  // sheet_facets_ transmit through a thin sheet
   // Weights of the lobes; inside of a solid all but dielectric_ and clear_ are 0.
-  float dielectric_, metal_ = 0, tinted_ = 0;  // of the reflectances of facets
-  float clear_ = 0, diffuse_ = 0, diffuse_through_ = 0, flatness_ = 0, sheen_ = 0, clearcoat_ = 0;
-  Rgb base_color_, transmission_color_, tinted_f0_, sheen_color_;
-  float clearcoat_alpha2_ = 0, clearcoat_norm_ = 0;
-  float diffuse_scale_ = 1;
-  Vec2 tangent_{1, 0};
+  T dielectric_{}, metal_{}, tinted_{};  // of the reflectances of facets
+  T clear_{}, diffuse_{}, diffuse_through_{}, flatness_{}, sheen_{}, clearcoat_{};
+  RgbOf<T> base_color_, transmission_color_, tinted_f0_, sheen_color_;
+  T clearcoat_alpha2_{}, clearcoat_norm_{};
+  T diffuse_scale_ = T(1.0f);
+  T tangent_x_ = T(1.0f), tangent_y_{};
 };
+extern template class DisneyBsdfOf<float>;
+extern template class DisneyBsdfOf<FloatN>;
 
 }  // namespace tessera::core

@@ -7,7 +7,7 @@
 
 namespace tessera::core {
 
-// T is float for one point, or Float8 for one in each lane.
+// T is float for one point, or FloatN for one in each lane.
 template <typename T>
 struct LambertBsdfOf {
   MaskOf<T> is_delta() const { return false; }

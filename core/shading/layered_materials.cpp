@@ -3,33 +3,12 @@
 
 #include <cmath>
 #include <type_traits>
-#include <variant>
 
 #include "core/materials/limits.hpp"
-#include "core/shading/model_at.hpp"
+#include "core/shading/shares.hpp"
 
 namespace tessera::core {
 namespace {
-
-template <typename T>
-T unit(T value) {
-  return select(value > 0, smaller(value, T(1.0f)), T(0.0f));
-}
-
-template <typename T>
-RgbOf<T> unit(RgbOf<T> color) {
-  return {unit(color.r), unit(color.g), unit(color.b)};
-}
-
-template <typename T>
-T mix(T a, T b, std::type_identity_t<T> share) {
-  return a + (b - a) * share;
-}
-
-template <typename T>
-RgbOf<T> mix(RgbOf<T> a, RgbOf<T> b, std::type_identity_t<T> share) {
-  return a + (b - a) * share;
-}
 
 template <typename T>
 RgbOf<T> white() {
@@ -86,7 +65,9 @@ class PrincipledClosure {
         subsurface_(share(&Principled::subsurface_weight)),
         film_(share(&Principled::thin_film_weight)),
         roughness_(share(&Principled::specular_roughness)),
-        ior_(bounded_ior(model(&Principled::specular_ior))),
+        ior_(clamp_between(model(&Principled::specular_ior),
+                           model.number([](const Principled& m) { return min_ior(m.specular_ior); }),
+                           kMaxIor)),
         specular_weight_(model(&Principled::specular_weight)),
         specular_color_(share(&Principled::specular_color)),
         base_color_(share(&Principled::base_color) * model.at().tint * share(&Principled::base_weight)) {
@@ -181,7 +162,7 @@ class PrincipledClosure {
   void add_transmission() {
     const MaskOf<T> clear = transmission_ != 0;
     if (!any(clear)) return;
-    const T ior = reweighed_index(ior_, specular_weight_);
+    const T denser = reweighed_index(ior_, specular_weight_), ior = select(ior_ < 1, 1 / denser, denser);
     const RgbOf<T> transmitted = select(model_.holds([](const Principled& m) { return absorbs_inside(m); }),
                                         white<T>(), share(&Principled::transmission_color));
     const RgbOf<T> weight = RgbOf<T>::gray(transmission_);
@@ -235,22 +216,25 @@ class PrincipledClosure {
   ClosureOf<T> closure_;
 };
 
+// Adds reflection that is not compensated.
+template <std::size_t kSlot, std::size_t kOtherSlot, typename T, template <typename> typename Reflectance>
+void add_facets(ClosureOf<T>& closure, const Reflectance<T>& reflectance, const Facets<T>& facets,
+                MicrofacetKind kind, RgbOf<T> weight) {
+  const MaskOf<T> others = !(facets.smooth | kind.is_correlated_ggx());
+  if (!all(others))
+    closure.template add<kSlot>(!others, {reflectance, facets.ggx, facets.smooth, false}, weight);
+  if (any(others))
+    closure.template add<kOtherSlot>(
+        others,
+        {reflectance, MicrofacetsOf<T>(kind, facets.ggx.alpha_x(), facets.ggx.alpha_y()), false, false},
+        weight);
+}
+
+}  // namespace
+
 template <typename T>
 ClosureOf<T> closure_at(const ModelAt<T, Principled>& model) {
   return PrincipledClosure<T>(model).all_layers();
-}
-
-// Adds reflection that is not compensated. Closures of several lanes have only GGX microfacets.
-template <std::size_t kSlot, std::size_t kOtherSlot, typename T, template <typename> typename Reflectance>
-void add_facets(ClosureOf<T>& closure, const Reflectance<T>& reflectance, const Facets<T>& facets,
-                [[maybe_unused]] MicrofacetKind kind, RgbOf<T> weight) {
-  if constexpr (std::is_same_v<T, float>) {
-    if (!facets.smooth && !kind.is_correlated_ggx()) {
-      const Microfacets others(kind, facets.ggx.alpha_x(), facets.ggx.alpha_y());
-      return closure.template add<kOtherSlot>(true, {reflectance, others, false, false}, weight);
-    }
-  }
-  closure.template add<kSlot>(true, {reflectance, facets.ggx, facets.smooth, false}, weight);
 }
 
 template <typename T>
@@ -261,11 +245,10 @@ ClosureOf<T> closure_at(const ModelAt<T, Plastic>& model) {
   ClosureOf<T> closure;
   add_facets<kBoundarySlot, kOtherBoundarySlot>(closure, DielectricReflectance<T>{eta}, facets, kind,
                                                 unit(model(&Plastic::specular)));
-  const bool all_smooth = all(facets.smooth);
   closure.template add<kCoveredDiffuseSlot>(
       true,
       CoveredDiffuseLobe<T>(unit(model(&Plastic::diffuse)) * model.at().tint,
-                            {all_smooth ? MicrofacetKind{} : kind, facets.mean_alpha(), eta,
+                            {all(facets.smooth) ? MicrofacetKind{} : kind, facets.mean_alpha(), eta,
                              unit(model(&Plastic::internal_reflection))},
                             model.holds([](const Plastic& m) { return m.nonlinear; }),
                             model.holds([](const Plastic& m) { return m.compensated; })),
@@ -316,48 +299,15 @@ ClosureOf<T> closure_at(const ModelAt<T, ThinDielectric>& model) {
   return closure;
 }
 
-template <typename Model>
-constexpr bool kIsLayered =
-    std::is_same_v<Model, Principled> || std::is_same_v<Model, Plastic> ||
-    std::is_same_v<Model, ConductorMaterial> || std::is_same_v<Model, DiffuseTransmission> ||
-    std::is_same_v<Model, ThinDielectric>;
-
-}  // namespace
-
-bool is_layered(const MaterialModel& model) {
-  return std::visit([](const auto& m) { return kIsLayered<std::decay_t<decltype(m)>>; }, model);
-}
-
-bool has_vector_form(const MaterialModel& model) {
-  if (const auto* plastic = std::get_if<Plastic>(&model)) return plastic->microfacets.is_correlated_ggx();
-  if (const auto* metal = std::get_if<ConductorMaterial>(&model))
-    return metal->microfacets.is_correlated_ggx();
-  return is_layered(model);
-}
-
-ClosureOf<float> closure_of(const MaterialModel& model, const MaterialPoint& at) {
-  return std::visit(
-      [&](const auto& m) -> ClosureOf<float> {
-        using Model = std::decay_t<decltype(m)>;
-        if constexpr (kIsLayered<Model>) return closure_at(ModelAt<float, Model>(m, at));
-        return {};
-      },
-      model);
-}
-
-ClosureOf<Float8> closures_of(const ModelPointers& models, const MaterialPointOf<Float8>& at) {
-  return std::visit(
-      [&](const auto& first) -> ClosureOf<Float8> {
-        using Model = std::decay_t<decltype(first)>;
-        if constexpr (kIsLayered<Model>) {
-          std::array<const Model*, kLaneCount> of_type;
-          for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-            of_type[lane] = std::get_if<Model>(models[lane]);
-          return closure_at(ModelAt<Float8, Model>(of_type, at));
-        }
-        return {};
-      },
-      *models[0]);
-}
+template ClosureOf<float> closure_at(const ModelAt<float, Principled>&);
+template ClosureOf<FloatN> closure_at(const ModelAt<FloatN, Principled>&);
+template ClosureOf<float> closure_at(const ModelAt<float, Plastic>&);
+template ClosureOf<FloatN> closure_at(const ModelAt<FloatN, Plastic>&);
+template ClosureOf<float> closure_at(const ModelAt<float, ConductorMaterial>&);
+template ClosureOf<FloatN> closure_at(const ModelAt<FloatN, ConductorMaterial>&);
+template ClosureOf<float> closure_at(const ModelAt<float, DiffuseTransmission>&);
+template ClosureOf<FloatN> closure_at(const ModelAt<FloatN, DiffuseTransmission>&);
+template ClosureOf<float> closure_at(const ModelAt<float, ThinDielectric>&);
+template ClosureOf<FloatN> closure_at(const ModelAt<FloatN, ThinDielectric>&);
 
 }  // namespace tessera::core

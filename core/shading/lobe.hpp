@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What lobes are: parts of which a closure (closure.hpp) consists. Each scatters white light unless it has a
 // colour of its own; the closure multiplies it, and takes off what the layers above keep. T is float for one
-// point, or Float8 for one in each lane. Directions as in bsdf.hpp, with +x along dp/du.
+// point, or FloatN for one in each lane. Directions as in bsdf.hpp, with +x along dp/du.
 //
 // A lobe has
 //   kIsDiffuse                        whether diffuse_cos is its cosine (Bsdf::evaluate)
@@ -21,7 +21,7 @@
 #include <optional>
 
 #include "core/materials/bsdf_sample.hpp"
-#include "core/math/simd_double8.hpp"
+#include "core/math/simd_double.hpp"
 
 namespace tessera::core {
 
@@ -52,11 +52,6 @@ BsdfSampleOf<T> delta_sample_of(Vec3Of<T> wi, RgbOf<T> weight, MaskOf<T> transmi
   sample.wi_local = wi;
   sample.weight = weight;
   return sample;
-}
-
-template <typename T>
-BsdfValueOf<T> only_where(MaskOf<T> mask, const BsdfValueOf<T>& value) {
-  return {select(mask, value.value, RgbOf<T>{}), select(mask, value.pdf, T(0.0f))};
 }
 
 template <typename T>

@@ -62,12 +62,13 @@ template <typename T>
 const DirectionalAlbedo& albedos_of(const AnisotropicGgxOf<T>&) {
   return DirectionalAlbedo::tables();
 }
-inline const DirectionalAlbedo& albedos_of(const Microfacets& facets) {
+template <typename T>
+const DirectionalAlbedo& albedos_of(const MicrofacetsOf<T>& facets) {
   return DirectionalAlbedo::tables(facets.kind());
 }
 
-// Reflection by microfacets, or by a mirror where `smooth`. Facets are AnisotropicGgxOf<T>, or Microfacets
-// for T = float.
+// Reflection by microfacets, or by a mirror where `smooth`. Facets are AnisotropicGgxOf<T> or
+// MicrofacetsOf<T>.
 template <typename T, template <typename> typename Reflectance, typename Facets>
 struct MicrofacetLobe {
   static constexpr bool kIsDiffuse = false;
@@ -131,17 +132,8 @@ struct MicrofacetLobe {
 template <typename T, template <typename> typename Reflectance>
 using GgxLobe = MicrofacetLobe<T, Reflectance, AnisotropicGgxOf<T>>;
 
-// A lobe that no closure has.
-template <typename T>
-struct NoLobe : RoughLobe<T> {
-  BsdfValueOf<T> evaluate(Vec3Of<T>, Vec3Of<T>, T) const { return {}; }
-  BsdfSampleOf<T> sample(Vec3Of<T>, Vec2Of<T>, T) const { return {}; }
-  T albedo(T) const { return T(0.0f); }
-};
-
-// Reflection by microfacets of other kinds than GGX, which has no vector form.
+// Reflection by microfacets of other kinds than correlated GGX.
 template <typename T, template <typename> typename Reflectance>
-using OtherMicrofacetLobe =
-    std::conditional_t<std::is_same_v<T, float>, MicrofacetLobe<T, Reflectance, Microfacets>, NoLobe<T>>;
+using OtherMicrofacetLobe = MicrofacetLobe<T, Reflectance, MicrofacetsOf<T>>;
 
 }  // namespace tessera::core

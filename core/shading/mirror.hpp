@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ideal mirror reflection. T is float for one point, or Float8 for one in each lane.
+// Ideal mirror reflection. T is float for one point, or FloatN for one in each lane.
 #pragma once
 
 #include "core/materials/bsdf_sample.hpp"

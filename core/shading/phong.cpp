@@ -5,7 +5,6 @@
 
 #include "core/math/elementary.hpp"
 #include "core/math/frame.hpp"
-#include "core/math/lane_array.hpp"
 #include "core/sampling/warp.hpp"
 
 namespace tessera::core {
@@ -18,19 +17,11 @@ Vec3Of<T> mirror_image(Vec3Of<T> wo) {
 
 // The polar angle of a sample around +z with density (n + 1) / (2 pi) cos^n per solid angle. This and the
 // cosine below are in double precision, because high powers matter only near a cosine of 1.
-SinCos sampled_angle(float n, float u) {
-  const double cos_a = pow(1 - static_cast<double>(u), 1 / (static_cast<double>(n) + 1));
-  return {static_cast<float>(std::sqrt((1 - cos_a) * (1 + cos_a))), static_cast<float>(cos_a)};
-}
-SinCosOf<Float8> sampled_angle(Float8 n, Float8 u) {
-  const FloatLanes exponents(n), numbers(u);
-  FloatLanes sines, cosines;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    const auto [sine, cosine] = sampled_angle(exponents[lane], numbers[lane]);
-    sines.set(lane, sine);
-    cosines.set(lane, cosine);
-  }
-  return {sines.all(), cosines.all()};
+template <typename T>
+SinCosOf<T> sampled_angle(T n, T u) {
+  using std::sqrt;
+  const WideOf<T> cos_a = pow(1 - widened(u), 1 / (widened(n) + 1));
+  return {to_float(sqrt((1 - cos_a) * (1 + cos_a))), to_float(cos_a)};
 }
 
 template <typename T>
@@ -44,11 +35,9 @@ Vec3Of<T> sample_power_cosine(T n, Vec2Of<T> u) {
 // is not `wanted`.
 template <typename T>
 T power_cosine(Vec3Of<T> a, Vec3Of<T> b, T n, T wanted) {
-  const auto power = [](float chord2, float exponent, float is_wanted) {
-    const double cos_a = 1 - static_cast<double>(chord2) / 2;
-    return is_wanted > 0 && cos_a > 0 ? static_cast<float>(pow(cos_a, static_cast<double>(exponent))) : 0.0f;
-  };
-  return in_each_lane(power, length_squared(a - b), n, wanted);
+  const WideOf<T> cos_a = 1 - widened(length_squared(a - b)) / 2;
+  const MaskOf<T> lit = (wanted > 0) & (cos_a > 0);
+  return any(lit) ? select(lit, to_float(pow(cos_a, widened(n))), T(0.0f)) : T(0.0f);
 }
 
 }  // namespace
@@ -91,6 +80,6 @@ BsdfSampleOf<T> PhongBsdfOf<T>::sample(Vec3Of<T> wo, Vec2Of<T> u, T u_lobe) cons
 }
 
 template struct PhongBsdfOf<float>;
-template struct PhongBsdfOf<Float8>;
+template struct PhongBsdfOf<FloatN>;
 
 }  // namespace tessera::core

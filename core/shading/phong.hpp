@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Modified Phong: a diffuse part and a specular lobe around the mirror direction (Lafortune and Willems
-// 1994). T is float for one point, or Float8 for one in each lane.
+// 1994). T is float for one point, or FloatN for one in each lane.
 #pragma once
 
 #include "core/materials/bsdf_sample.hpp"
 #include "core/materials/material.hpp"
-#include "core/math/simd_double8.hpp"
+#include "core/math/simd_double.hpp"
 
 namespace tessera::core {
 
@@ -27,6 +27,6 @@ struct PhongBsdfOf {
 };
 using PhongBsdf = PhongBsdfOf<float>;
 extern template struct PhongBsdfOf<float>;
-extern template struct PhongBsdfOf<Float8>;
+extern template struct PhongBsdfOf<FloatN>;
 
 }  // namespace tessera::core

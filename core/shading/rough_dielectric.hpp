@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A dielectric boundary of microfacets, each a smooth boundary (Walter et al. 2007). T is float for one
-// point, or Float8 for one in each lane.
+// point, or FloatN for one in each lane.
 #pragma once
 
 #include <cmath>
@@ -17,18 +17,20 @@ template <typename T>
 T visible_share(const GgxOf<T>& facets, T cos_w) {
   return facets.visible(cos_w);
 }
-inline float visible_share(const Microfacets& facets, float cos_w) {
+template <typename T>
+T visible_share(const MicrofacetsOf<T>& facets, T cos_w) {
   return facets.visible(at_cosine(cos_w));
 }
 template <typename T>
 T smith_term(const GgxOf<T>& facets, T cos_o, T cos_i) {
   return facets.smith_visibility(cos_o, cos_i);
 }
-inline float smith_term(const Microfacets& facets, float cos_o, float cos_i) {
+template <typename T>
+T smith_term(const MicrofacetsOf<T>& facets, T cos_o, T cos_i) {
   return facets.smith_visibility(at_cosine(cos_o), at_cosine(cos_i));
 }
 
-// The facets are isotropic: GgxOf<T>, or Microfacets for T = float.
+// The facets are isotropic: GgxOf<T> or MicrofacetsOf<T>.
 template <typename T, typename Facets = GgxOf<T>>
 struct RoughDielectricOf {
   MaskOf<T> is_delta() const { return false; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A smooth dielectric boundary: one reflected and one refracted direction. T is float for one point, or
-// Float8 for one in each lane.
+// FloatN for one in each lane.
 #pragma once
 
 #include <array>

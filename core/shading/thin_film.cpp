@@ -106,6 +106,6 @@ RgbOf<T> FilmReflectanceOf<T>::covered(T cos_i) const {
 }
 
 template class FilmReflectanceOf<float>;
-template class FilmReflectanceOf<Float8>;
+template class FilmReflectanceOf<FloatN>;
 
 }  // namespace tessera::core

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The reflectance of a surface under a thin film, whose interference colours it (Belcour and Barla 2017). T
-// is float for one point, or Float8 for one in each lane.
+// is float for one point, or FloatN for one in each lane.
 #pragma once
 
 #include "core/math/rgb.hpp"
-#include "core/math/simd_double8.hpp"
+#include "core/math/simd_double.hpp"
 
 namespace tessera::core {
 
@@ -27,6 +27,6 @@ class FilmReflectanceOf {
 };
 using FilmReflectance = FilmReflectanceOf<float>;
 extern template class FilmReflectanceOf<float>;
-extern template class FilmReflectanceOf<Float8>;
+extern template class FilmReflectanceOf<FloatN>;
 
 }  // namespace tessera::core

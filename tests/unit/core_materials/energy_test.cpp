@@ -94,6 +94,12 @@ TEST(WhiteFurnace, NoSurfaceGains) {
     models.push_back(white_metal(roughness));
     models.push_back(white_metal(roughness, Masking::kSchlick));
     for (const float ior : {1.1f, 1.5f, 2.4f}) models.push_back(Glass{.ior = ior, .roughness = roughness});
+    for (const auto masking : {SmithMasking::kCorrelated, SmithMasking::kSeparable}) {
+      const MicrofacetKind beckmann{MicrofacetDistribution::kBeckmann, masking};
+      models.push_back(Glass{.roughness = roughness, .microfacets = beckmann});
+      models.push_back(ConductorMaterial{.roughness = roughness, .microfacets = beckmann});
+      models.push_back(Plastic{.diffuse = {Rgb::gray(1)}, .roughness = roughness, .microfacets = beckmann});
+    }
   }
   for (const float exponent : {0.0f, 1.0f, 10.0f, 1000.0f}) {
     models.push_back(Phong{{Rgb::gray(0)}, {Rgb::gray(1)}, exponent});

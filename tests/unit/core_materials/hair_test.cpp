@@ -10,6 +10,7 @@
 
 #include "core/math/bessel.hpp"
 #include "core/sampling/warp.hpp"
+#include "core/shading/hair_bsdf.hpp"
 #include "tests/unit/core_materials/bsdf_cases.hpp"
 
 namespace tessera::core {
@@ -27,13 +28,20 @@ std::vector<HairCase> hair_cases() {
           {0.4f, 0.3f, 0.98f, normalize(Vec3{-0.8f, 0, 0.5f})}};
 }
 
+using HairBsdf = HairBsdfOf<float>;
+
+HairBsdf bsdf_of(const Hair& model, float across) {
+  const MaterialPoint at{{}, Vec2{0.5f, across}, true, Rgb::gray(1)};
+  return HairBsdf(ModelAt<float, Hair>(&model, at));
+}
+
 HairBsdf hair_bsdf(const HairCase& one, Rgb absorption) {
   Hair model;
   model.pigment = HairPigment::kAbsorption;
   model.sigma_a.value = absorption;
   model.beta_m = one.beta_m;
   model.beta_n = one.beta_n;
-  HairBsdf bsdf(model, {}, Vec2{0.5f, one.across});
+  HairBsdf bsdf = bsdf_of(model, one.across);
   bsdf.orient(normalize(Vec3{1, 0.5f, 0}));
   return bsdf;
 }
@@ -70,7 +78,7 @@ TEST(HairBsdf, SamplesWhatItEvaluates) {
       double sum = 0, sum2 = 0, even = 0, even2 = 0;
       for (int i = 0; i < kSamples; ++i) {
         const auto [u, u_lobe] = test::random_numbers(i);
-        const auto sample = bsdf.sample(one.wo, u, u_lobe);
+        const auto sample = alone(bsdf.sample(one.wo, u, u_lobe));
         ASSERT_TRUE(sample);
         const BsdfValue again = bsdf.evaluate(one.wo, sample->wi_local, 0);
         ASSERT_NEAR(sample->pdf / again.pdf, 1, 1e-4);
@@ -105,7 +113,7 @@ TEST(HairBsdf, SamplesFollowTheirDensity) {
             kSamples * 4 * std::numbers::pi / (kRows * kColumns * kFine * kFine);
     for (int i = 0; i < kSamples; ++i) {
       const auto [u, u_lobe] = test::random_numbers(i);
-      const Vec3 w = bsdf.sample(one.wo, u, u_lobe)->wi_local;
+      const Vec3 w = bsdf.sample(one.wo, u, u_lobe).wi_local;
       const double phi = std::atan2(static_cast<double>(w.y), static_cast<double>(w.x));
       const double turns = phi / (2 * std::numbers::pi);
       const int row = std::min(static_cast<int>((1 - static_cast<double>(w.z)) / 2 * kRows), kRows - 1);
@@ -132,12 +140,12 @@ TEST(HairBsdf, BlackHairReflectsAboutItsNormal) {
   model.beta_m = model.beta_n = 0.05f;
   model.tilt_degrees = 0;
   // The viewer is aside of the normal by -y, and across grows along the normal times the tangent, +y.
-  HairBsdf bsdf(model, {}, Vec2{0.5f, 0.75f});
+  HairBsdf bsdf = bsdf_of(model, 0.75f);
   bsdf.orient({1, 0, 0});
   const Vec3 wo{0, -0.5f, std::sqrt(0.75f)};
   for (int i = 0; i < 200; ++i) {
     const auto [u, u_lobe] = test::random_numbers(i);
-    const auto sample = bsdf.sample(wo, u, u_lobe);
+    const auto sample = alone(bsdf.sample(wo, u, u_lobe));
     ASSERT_TRUE(sample);
     EXPECT_GT(dot(sample->wi_local, Vec3{0, 0.5f, std::sqrt(0.75f)}), 0.9f);
   }
@@ -149,7 +157,7 @@ TEST(Hair, ColorsAndAbsorptionsAreInverse) {
     const Rgb again = hair_color(hair_absorption(color, beta), beta);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(again[c], color[c], 1e-5f);
   }
-  EXPECT_GT(mean(melanin_absorption(8, 0)), mean(melanin_absorption(1.3f, 0)));
+  EXPECT_GT(mean(melanin_absorption(8.0f, 0.0f)), mean(melanin_absorption(1.3f, 0.0f)));
 }
 
 TEST(Bessel, IsTheSumOfItsSeries) {
