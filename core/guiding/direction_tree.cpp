@@ -7,7 +7,7 @@
 
 #include "core/math/elementary.hpp"
 #include "core/math/octahedral_map.hpp"
-#include "core/math/simd_double8.hpp"
+#include "core/math/simd_double.hpp"
 
 namespace tessera::core {
 namespace {
@@ -174,7 +174,7 @@ DirectionTrees::Extent<std::uint32_t> DirectionTrees::find(std::uint32_t root, b
   return extent;
 }
 
-DirectionTrees::Extent<U32x8> DirectionTrees::find(U32x8 root, Mask8 by_chance, U32x8 key) const {
+DirectionTrees::Extent<U32xN> DirectionTrees::find(U32xN root, MaskN by_chance, U32xN key) const {
   const WordLanes roots(root), keys(key);
   const unsigned chances = by_chance.bits();
   WordLanes place, chance;
@@ -207,7 +207,7 @@ DirectionTrees::DirectionOf<T> DirectionTrees::sample_or(WordOf<T> root, MaskOf<
 }
 
 template DirectionTrees::DirectionOf<float> DirectionTrees::sample_or(std::uint32_t, bool, Vec2, Vec3) const;
-template DirectionTrees::DirectionOf<Float8> DirectionTrees::sample_or(U32x8, Mask8, Vec2Of<Float8>,
-                                                                       Vec3Of<Float8>) const;
+template DirectionTrees::DirectionOf<FloatN> DirectionTrees::sample_or(U32xN, MaskN, Vec2Of<FloatN>,
+                                                                       Vec3Of<FloatN>) const;
 
 }  // namespace tessera::core

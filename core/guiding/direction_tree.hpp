@@ -42,7 +42,7 @@ class DirectionTrees {
     T pdf;                // per solid angle
   };
   // Samples a direction with u in [0, 1) x [0, 1) in lanes where `sampled`, and otherwise takes `other`. T
-  // is float or Float8. Root 0 is the empty tree, which is uniform over the unfolded sphere.
+  // is float or FloatN. Root 0 is the empty tree, which is uniform over the unfolded sphere.
   template <typename T>
   DirectionOf<T> sample_or(WordOf<T> root, MaskOf<T> sampled, Vec2Of<T> u, Vec3Of<T> other) const;
 
@@ -61,13 +61,13 @@ class DirectionTrees {
   };
   Root store(std::span<const Leaf> leaves, float total);
 
-  // For one leaf or eight: the begin in the lower half of the word, the end in the upper half.
+  // For one leaf or one in each lane: the begin in the lower half of the word, the end in the upper half.
   template <typename Word>
   struct Extent {
     Word place, chance;
   };
   Extent<std::uint32_t> find(std::uint32_t root, bool by_chance, std::uint32_t key) const;
-  Extent<U32x8> find(U32x8 root, Mask8 by_chance, U32x8 key) const;
+  Extent<U32xN> find(U32xN root, MaskN by_chance, U32xN key) const;
 
   class Divider;
 

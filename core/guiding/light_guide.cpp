@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/base/parallel_errors.hpp"
-#include "core/math/simd_double8.hpp"
+#include "core/math/simd_double.hpp"
 
 namespace tessera::core {
 namespace {
@@ -235,14 +235,14 @@ std::uint32_t LightGuide::cell_at(std::uint32_t facing, Vec3 position) const {
   std::uint32_t at = facing;
   for (int level = 0; level < levels_; ++level) {
     const Node& node = nodes_[at];
-    const Float8 splits = as_float(U32x8::load(node.splits.data()));  // the eighth lane is not a split
-    const Mask8 above = coordinates.along(unpack_pairs_of_bits(node.axes_and_children)) >= splits;
+    const FloatN splits = as_float(U32xN::load(node.splits.data()));  // the eighth lane is not a split
+    const MaskN above = coordinates.along(unpack_pairs_of_bits(node.axes_and_children)) >= splits;
     at = (node.axes_and_children >> kAxesBits) + kChildByBits[above.bits() & 0x7f];
   }
   return cell_of_leaf_[at];
 }
 
-U32x8 LightGuide::cell_at(U32x8 facing, Vec3Of<Float8> position) const {
+U32xN LightGuide::cell_at(U32xN facing, Vec3Of<FloatN> position) const {
   const WordLanes facings(facing);
   const Vec3Lanes positions(position);
   WordLanes cells;
@@ -281,10 +281,10 @@ DirectionTrees::DirectionOf<T> LightGuide::sample_or(const GuidanceOf<T>& from, 
 }
 
 template LightGuide::GuidanceOf<float> LightGuide::at(Vec3, Vec3) const;
-template LightGuide::GuidanceOf<Float8> LightGuide::at(Vec3Of<Float8>, Vec3Of<Float8>) const;
+template LightGuide::GuidanceOf<FloatN> LightGuide::at(Vec3Of<FloatN>, Vec3Of<FloatN>) const;
 template DirectionTrees::DirectionOf<float> LightGuide::sample_or(const GuidanceOf<float>&, bool, Vec2,
                                                                   Vec3) const;
-template DirectionTrees::DirectionOf<Float8> LightGuide::sample_or(const GuidanceOf<Float8>&, Mask8,
-                                                                   Vec2Of<Float8>, Vec3Of<Float8>) const;
+template DirectionTrees::DirectionOf<FloatN> LightGuide::sample_or(const GuidanceOf<FloatN>&, MaskN,
+                                                                   Vec2Of<FloatN>, Vec3Of<FloatN>) const;
 
 }  // namespace tessera::core

@@ -51,7 +51,7 @@ class LightGuide {
   };
   std::span<const Cell> cells() const { return std::span(cells_).subspan(1); }
 
-  // The guide's data at a position: the cell around it. T is float, or Float8 for eight positions.
+  // The guide's data at a position: the cell around it. T is float, or FloatN for positions in lanes.
   template <typename T>
   struct GuidanceOf {
     T share = 0.0f;       // 0 if too little is known; the other members are then unset
@@ -79,7 +79,7 @@ class LightGuide {
   };
 
   std::uint32_t cell_at(std::uint32_t facing, Vec3 position) const;
-  U32x8 cell_at(U32x8 facing, Vec3Of<Float8> position) const;
+  U32xN cell_at(U32xN facing, Vec3Of<FloatN> position) const;
 
   // The first six are the roots, by the dominant axis of the surface normal and its sign. All leaves are
   // `levels_` below them.

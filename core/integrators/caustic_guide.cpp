@@ -65,9 +65,9 @@ class PhotonTracer {
     const Sampler sampler(kSeed, 0, kPhotonRow, index);
     const auto first = begin(sampler);
     if (!first) return;
-    auto [origin, ray, hit, flux, radiance] = *first;
+    auto [origin, ray, hit, enclosure, flux, radiance] = *first;
     for (int bounce = 0; bounce < kMaxBounces && hit.found() && luminance(flux) > 0; ++bounce) {
-      const PathVertex vertex(scene_, ray, hit);
+      const PathVertex vertex(scene_, ray, hit, enclosure.boundary);
       const float distance = length(vertex.position() - origin);
       if (!casters_.contain(hit) && !vertex.is_delta() && distance > 0)
         photons.push_back({vertex.position(), vertex.side_normal(), vertex.wo(), distance, luminance(flux),
@@ -81,7 +81,7 @@ class PhotonTracer {
       flux *= weight / survival;
       radiance = casters_.contain(hit) ? radiance * weight : Rgb{};
       const Ray scattered = vertex.ray_along(next->wi);
-      const Met met = meet_by_chance(scene_, scattered, sampler, ray_name(bounce + 1));
+      const Met met = meet_by_chance(scene_, scattered, sampler, ray_name(bounce + 1), enclosure);
       flux *= met.tint;
       radiance *= met.tint;
       origin = scattered.origin;
@@ -95,6 +95,7 @@ class PhotonTracer {
     Vec3 origin;  // on the light
     Ray ray;      // from the origin, or from the last surface passed through
     Hit hit;      // on the caster
+    Enclosure enclosure;
     Rgb flux;
     Rgb radiance;  // Photon::radiance so far
   };
@@ -111,7 +112,8 @@ class PhotonTracer {
     const Vec3 origin = light->point ? offset_origin(*light->point, position - light->point->position)
                                      : position + light->wi * beyond_scene_;
     const Ray first{origin, normalize(position - origin), std::numeric_limits<float>::infinity(), kGuideTime};
-    const auto [ray, hit, traced, tint] = meet_by_chance(scene_, first, sampler, ray_name(0));
+    Enclosure enclosure;  // as if the light were in the open
+    const auto [ray, hit, traced, tint] = meet_by_chance(scene_, first, sampler, ray_name(0), enclosure);
     if (hit.instance != instance || hit.primitive != primitive) return std::nullopt;
     // The ray may have hit the near side of a sphere whose far side was sampled.
     const SurfacePoint surface = scene_.primitives().surface(ray, hit);
@@ -120,7 +122,7 @@ class PhotonTracer {
     const float cosine = std::fabs(dot(surface.geometric_normal, ray.direction));
     const auto area = static_cast<float>(inverse_density / kPaths);
     const Rgb arriving = light->radiance * tint;
-    return First{origin, ray, hit, arriving * (cosine * area / light->pdf), arriving};
+    return First{origin, ray, hit, enclosure, arriving * (cosine * area / light->pdf), arriving};
   }
 
   const Scene& scene_;
@@ -140,16 +142,17 @@ float probe_other_light(const Scene& scene, const LightSampler& lights, const Ph
           Frame::around(place.side_normal).to_world(sample_cosine_hemisphere({u[0], u[1]})),
           std::numeric_limits<float>::infinity(), kGuideTime};
   Rgb throughput = Rgb::gray(kPi), found;
+  Enclosure enclosure;
   RenderCounters uncounted;
   for (int depth = 1; depth <= kProbeDepth; ++depth) {
-    const auto [from, hit, traced, tint] = meet_by_chance(scene, ray, sampler, ray_name(depth));
+    const auto [from, hit, traced, tint] = meet_by_chance(scene, ray, sampler, ray_name(depth), enclosure);
     if (!hit.found()) break;
     throughput *= tint;
-    const PathVertex vertex(scene, from, hit);
+    const PathVertex vertex(scene, from, hit, enclosure.boundary);
     if (!vertex.is_delta())
       if (const auto light =
               sample_any_light(scene, lights, vertex.light_context(), sampler.pad(light_pad(depth))))
-        found += throughput * reflected_light(scene, vertex, *light, uncounted) / light->pdf;
+        found += throughput * reflected_light(scene, vertex, *light, enclosure, uncounted) / light->pdf;
     const auto v = sampler.pad(scatter_pad(depth));
     const auto next = vertex.sample({v[0], v[1]}, v[2]);
     if (!next) break;

@@ -15,12 +15,12 @@ inline double combine_uniforms(float coarse, float fine) {
 }
 
 // The light reflected along wo from the light's radiance: BSDF * cosine * radiance, not yet divided by the
-// density, and without visibility.
+// density. `enclosure` is that of the vertex.
 inline Rgb reflected_light(const Scene& scene, const PathVertex& vertex, const LightSample& light,
-                           RenderCounters& counters) {
+                           const Enclosure& enclosure, RenderCounters& counters) {
   const Rgb scattered = vertex.evaluate(light.wi).value;
   if (is_black(scattered)) return {};
-  const Rgb share = transmittance(scene, vertex.ray_toward(light), counters.shadow_rays);
+  const Rgb share = transmittance(scene, vertex.ray_toward(light), enclosure, counters.shadow_rays);
   return is_black(share) ? Rgb{} : scattered * light.radiance * share;
 }
 

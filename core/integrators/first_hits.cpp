@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/integrators/first_hits.hpp"
 
-#include <utility>
-
 #include "core/integrators/opacity.hpp"
 #include "core/integrators/shading_normal.hpp"
 #include "core/integrators/vertex.hpp"
@@ -38,18 +36,20 @@ FirstHit describe(const Scene& scene, const Ray& ray, const Hit& hit, Vec3 origi
 
 }  // namespace
 
-std::uint64_t find_first_hits(const Scene& scene, std::vector<Ray> rays,
+std::uint64_t find_first_hits(const Scene& scene, std::span<const Ray> camera_rays,
                               std::span<const Sampler* const> samplers, std::span<FirstHit> hits) {
-  const std::vector<Ray> camera_rays = rays;
-  std::vector<Hit> met(rays.size());
-  scene.bvh().closest_hits(scene.primitives(), rays, met);
+  Columns<Ray> rays(camera_rays);
+  Columns<Hit> met(rays.size());
+  scene.bvh().closest_hits(scene.primitives(), rays.all(), met.all());
   std::uint64_t traced = rays.size();
   // The camera ray is ray 0 of a sample for every integrator: the path of depth 0, the root of the tree.
   static_assert(kTreeRoot == 0);
+  std::vector<Enclosure> enclosures(scene.is_opaque() ? 0 : rays.size());
   if (!scene.is_opaque())
     traced += pass_by_chance(
-        scene, rays, met, [](std::uint32_t) { return kTreeRoot; },
-        [&](std::uint32_t i) -> const Sampler& { return *samplers[i]; }, [](std::uint32_t, Rgb) {});
+        scene, rays.all(), met.all(), [](std::uint32_t) { return kTreeRoot; },
+        [&](std::uint32_t i) -> const Sampler& { return *samplers[i]; },
+        [&](std::uint32_t i) -> Enclosure& { return enclosures[i]; }, [](std::uint32_t, Rgb) {});
   for (std::size_t i = 0; i < rays.size(); ++i)
     hits[i] = describe(scene, rays[i], met[i], camera_rays[i].origin);
   return traced;

@@ -44,7 +44,7 @@ struct FirstHit {
 
 // The first hit of each camera ray, which belongs to the sample of the same place. Returns the number of rays
 // traced.
-std::uint64_t find_first_hits(const Scene& scene, std::vector<Ray> rays,
+std::uint64_t find_first_hits(const Scene& scene, std::span<const Ray> rays,
                               std::span<const Sampler* const> samplers, std::span<FirstHit> hits);
 
 }  // namespace tessera::core

@@ -17,47 +17,85 @@ std::optional<Ray> rest_of(const Ray& whole, const SurfacePoint& surface) {
   return Ray{origin, rest, 1, whole.time};
 }
 
-Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::uint32_t crossing) {
-  const Material& material = scene.material_of(hit);
-  if (is_opaque(material, scene.materials()) || crossing >= kMaxCrossings) return {};
-  const SurfacePoint surface = scene.primitives().surface(ray, hit);
-  const auto [stopped, transmittance] =
-      interception_at(material, scene.materials(), scene.textures(), uv_sets_at(scene, hit, surface),
-                      meeting_cosine(surface, normalize(ray.direction)), is_behind(surface, -ray.direction));
-  return {surface, stopped, transmittance};
+namespace {
+
+// Moves `enclosure` to a surface of a nested dielectric. Whether the surface has an effect; if not, its
+// boundary is that of the material alone.
+bool enter_surface(const Scene& scene, std::uint32_t material, const Ray& ray, const SurfacePoint& surface,
+                   Enclosure& enclosure) {
+  const NestedDielectrics& nested = scene.nested_dielectrics();
+  const Enclosing near = enclosure.along(ray.direction);
+  const bool leaves = is_behind(surface, -ray.direction);
+  enclosure.outside = leaves ? nested.outside_of(material, near) : near;
+  enclosure.inside = leaves ? near : nested.inside_of(material, near);
+  enclosure.normal = surface.geometric_normal;
+  const auto boundary = nested.boundary(material, enclosure.outside);
+  enclosure.boundary = &scene.materials()[boundary ? *boundary : *nested.boundary(material, {})];
+  return boundary.has_value();
 }
 
-Met meet_by_chance(const Scene& scene, const Ray& ray, const Sampler& sampler, std::uint64_t name) {
+}  // namespace
+
+Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::uint32_t crossing,
+                     Enclosure& enclosure) {
+  const std::uint32_t index = scene.primitives().material(hit);
+  const Material* material = &scene.materials()[index];
+  SurfacePoint surface;
+  const bool is_nested = scene.nested_dielectrics().contains(index);
+  if (is_nested) {
+    surface = scene.primitives().surface(ray, hit);
+    if (!enter_surface(scene, index, ray, surface, enclosure) && crossing < kMaxCrossings)
+      return {nullptr, surface, 0, Rgb::gray(1)};
+    material = enclosure.boundary;
+  } else if (!scene.nested_dielectrics().empty()) {
+    enclosure = {.outside = enclosure.along(ray.direction), .inside = enclosure.along(ray.direction)};
+  }
+  if (is_opaque(*material, scene.materials()) || crossing >= kMaxCrossings) return {material, surface};
+  if (!is_nested) surface = scene.primitives().surface(ray, hit);
+  const auto [stopped, transmittance] =
+      interception_at(*material, scene.materials(), scene.textures(), uv_sets_at(scene, hit, surface),
+                      meeting_cosine(surface, normalize(ray.direction)), is_behind(surface, -ray.direction));
+  return {material, surface, stopped, transmittance};
+}
+
+Met meet_by_chance(const Scene& scene, const Ray& ray, const Sampler& sampler, std::uint64_t name,
+                   Enclosure& enclosure) {
   Met met{ray, scene.bvh().closest_hit(scene.primitives(), ray)};
   if (scene.is_opaque() || !met.hit.found()) return met;
+  SingleRow segment(met.ray);
+  SingleRow found(met.hit);
   met.traced += pass_by_chance(
-      scene, {&met.ray, 1}, {&met.hit, 1}, [&](std::uint32_t) { return name; },
+      scene, segment.all(), found.all(), [&](std::uint32_t) { return name; },
       [&](std::uint32_t) -> const Sampler& { return sampler; },
+      [&](std::uint32_t) -> Enclosure& { return enclosure; },
       [&](std::uint32_t, Rgb tint) { met.tint *= tint; });
+  met.ray = segment.row();
+  met.hit = found.row();
   return met;
 }
 
-std::uint64_t find_transmittances(const Scene& scene, std::span<const Ray> rays, std::span<Rgb> shares) {
-  std::vector<Ray> segments(rays.begin(), rays.end());
-  std::vector<Hit> hits(rays.size());
-  scene.bvh().closest_hits(scene.primitives(), rays, hits);
+std::uint64_t find_transmittances(const Scene& scene, ColumnsView<const Ray> rays,
+                                  std::span<Enclosure> enclosures, std::span<Rgb> shares) {
+  Columns<Ray> segments(rays);
+  Columns<Hit> hits(rays.size());
+  scene.bvh().closest_hits(scene.primitives(), rays, hits.all());
   std::fill(shares.begin(), shares.end(), Rgb::gray(1));
   const auto pass = [&](std::uint32_t i, const Ray& segment, const Hit& hit,
                         std::uint32_t crossing) -> std::optional<Ray> {
-    const Crossing met = crossing_at(scene, segment, hit, crossing);
+    const Crossing met = crossing_at(scene, segment, hit, crossing, enclosures[i]);
     shares[i] *= met.transmittance;
     if (is_black(shares[i])) return std::nullopt;
     return rest_of(rays[i], met.surface);
   };
-  return rays.size() + trace_through(scene, segments, hits, pass);
+  return rays.size() + trace_through(scene, segments.all(), hits.all(), pass);
 }
 
-Rgb transmittance(const Scene& scene, const Ray& ray, std::uint64_t& traced) {
+Rgb transmittance(const Scene& scene, const Ray& ray, Enclosure enclosure, std::uint64_t& traced) {
   ++traced;
   if (!scene.bvh().any_hit(scene.primitives(), ray)) return Rgb::gray(1);
   if (scene.is_opaque()) return {};
   Rgb share{};
-  traced += find_transmittances(scene, {&ray, 1}, {&share, 1});
+  traced += find_transmittances(scene, SingleRow(ray).all(), {&enclosure, 1}, {&share, 1});
   return share;
 }
 

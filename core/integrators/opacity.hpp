@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays and surfaces that let light pass straight through: by their opacity, or as panes do (interception_at).
+// Rays and surfaces that let light pass straight through: by their opacity, as panes do (interception_at), or
+// because they lie in a nested dielectric of higher priority (nested_dielectrics.hpp).
 // A scattering ray hits such a surface with a probability, and otherwise goes on behind it, tinted; a shadow
 // ray is attenuated by the transmittance. The expectation of the former equals the latter. Stateless;
 // thread-safe.
@@ -20,32 +21,44 @@ namespace tessera::core {
 // ends.
 inline constexpr std::uint32_t kMaxCrossings = 1u << 14;
 
+// A place of a path among nested dielectrics: what encloses both sides of the last surface that was met.
+struct Enclosure {
+  // What encloses a ray that leaves the surface.
+  const Enclosing& along(Vec3 direction) const { return dot(direction, normal) < 0 ? inside : outside; }
+
+  Enclosing outside{}, inside{};
+  Vec3 normal{};                       // geometric, outward
+  const Material* boundary = nullptr;  // what scatters there in place of the hit's material; null for that
+};
+
 // Calls pass(i, rays[i], hits[i], crossing) for each hit. If it returns a ray that continues behind the
 // surface, traces that ray, and repeats until none continues. rays[i] and hits[i] become those of the last
 // segment. `crossing` counts the surfaces passed so far. Returns the number of rays traced.
 template <typename Pass>
-std::uint64_t trace_through(const Scene& scene, std::span<Ray> rays, std::span<Hit> hits, const Pass& pass) {
+std::uint64_t trace_through(const Scene& scene, ColumnsView<Ray> rays, ColumnsView<Hit> hits,
+                            const Pass& pass) {
   std::vector<std::uint32_t> active;  // rays that have passed all their hits
-  std::vector<Ray> active_rays;
-  std::vector<Hit> next_hits;
+  Columns<Ray> active_rays;
+  Columns<Hit> next_hits;
   const auto advance = [&](std::uint32_t i, std::uint32_t crossing) {
-    if (!hits[i].found()) return;
-    const std::optional<Ray> beyond = pass(i, rays[i], hits[i], crossing);
+    const Hit hit = hits[i];
+    if (!hit.found()) return;
+    const std::optional<Ray> beyond = pass(i, rays[i], hit, crossing);
     if (!beyond) return;
-    rays[i] = *beyond;
+    rays.set(i, *beyond);
     active.push_back(i);
-    active_rays.push_back(*beyond);
+    active_rays.push(*beyond);
   };
   std::uint64_t traced = 0;
   for (std::uint32_t i = 0; i < rays.size(); ++i) advance(i, 0);
   for (std::uint32_t crossing = 1; !active.empty(); ++crossing) {
     next_hits.resize(active_rays.size());
-    scene.bvh().closest_hits(scene.primitives(), active_rays, next_hits);
+    scene.bvh().closest_hits(scene.primitives(), active_rays.all(), next_hits.all());
     traced += active_rays.size();
     const auto behind = std::exchange(active, {});
     active_rays.clear();
     for (std::size_t k = 0; k < behind.size(); ++k) {
-      hits[behind[k]] = next_hits[k];
+      hits.set(behind[k], next_hits[k]);
       advance(behind[k], crossing);
     }
   }
@@ -54,26 +67,31 @@ std::uint64_t trace_through(const Scene& scene, std::span<Ray> rays, std::span<H
 
 // What a ray meets at the surface it hit.
 struct Crossing {
-  SurfacePoint surface;
-  float hit = 1;        // the probability that it is scattered; 1 where the surface stops every ray
-  Rgb transmittance{};  // of a shadow ray
+  const Material* material = nullptr;  // null if the surface has no effect
+  SurfacePoint surface{};              // if rays pass, or among nested dielectrics
+  float hit = 1;                       // the probability that it is scattered; 1: the surface stops every ray
+  Rgb transmittance{};                 // of a shadow ray
 
   // The weight of rays that pass.
   Rgb tint() const { return transmittance / (1 - hit); }
 };
-Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::uint32_t crossing);
+// `enclosure`, where the ray begins, becomes that of the surface.
+Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::uint32_t crossing,
+                     Enclosure& enclosure);
 // The rest of a shadow ray behind a surface; nothing if the surface is at its end.
 std::optional<Ray> rest_of(const Ray& whole, const SurfacePoint& surface);
 
 // Stochastically passes rays[i] through the surfaces they hit. sampler_of(i) is the sampler of the ray's
-// sample, and name_of(i) distinguishes the rays of that sample; weigh(i, tint) multiplies what the ray
-// carries. Returns the number of rays traced.
-template <typename NameOf, typename SamplerOf, typename Weigh>
-std::uint64_t pass_by_chance(const Scene& scene, std::span<Ray> rays, std::span<Hit> hits,
-                             const NameOf& name_of, const SamplerOf& sampler_of, const Weigh& weigh) {
+// sample, and name_of(i) distinguishes the rays of that sample; enclosure_of(i) is where the ray begins, and
+// becomes that of the surface it hits; weigh(i, tint) multiplies what the ray carries. Returns the number of
+// rays traced.
+template <typename NameOf, typename SamplerOf, typename EnclosureOf, typename Weigh>
+std::uint64_t pass_by_chance(const Scene& scene, ColumnsView<Ray> rays, ColumnsView<Hit> hits,
+                             const NameOf& name_of, const SamplerOf& sampler_of,
+                             const EnclosureOf& enclosure_of, const Weigh& weigh) {
   const auto pass = [&](std::uint32_t i, const Ray& ray, const Hit& hit,
                         std::uint32_t crossing) -> std::optional<Ray> {
-    const Crossing met = crossing_at(scene, ray, hit, crossing);
+    const Crossing met = crossing_at(scene, ray, hit, crossing, enclosure_of(i));
     if (met.hit >= 1) return std::nullopt;
     if (met.hit > 0 && sampler_of(i).opacity_number(name_of(i), crossing) < met.hit) return std::nullopt;
     weigh(i, met.tint());
@@ -90,11 +108,14 @@ struct Met {
   Rgb tint = Rgb::gray(1);   // of the surfaces passed
 };
 // Traces one ray stochastically, as pass_by_chance does.
-Met meet_by_chance(const Scene& scene, const Ray& ray, const Sampler& sampler, std::uint64_t name);
+Met meet_by_chance(const Scene& scene, const Ray& ray, const Sampler& sampler, std::uint64_t name,
+                   Enclosure& enclosure);
 
-// Stores the transmittance along each shadow ray rays[i] in shares[i]. Returns the number of rays traced.
-std::uint64_t find_transmittances(const Scene& scene, std::span<const Ray> rays, std::span<Rgb> shares);
+// Stores the transmittance along each shadow ray rays[i], which begins at enclosures[i], in shares[i]. The
+// enclosures change on the way. Returns the number of rays traced.
+std::uint64_t find_transmittances(const Scene& scene, ColumnsView<const Ray> rays,
+                                  std::span<Enclosure> enclosures, std::span<Rgb> shares);
 // The transmittance of one ray. Adds the number of rays traced to `traced`.
-Rgb transmittance(const Scene& scene, const Ray& ray, std::uint64_t& traced);
+Rgb transmittance(const Scene& scene, const Ray& ray, Enclosure enclosure, std::uint64_t& traced);
 
 }  // namespace tessera::core

@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <utility>
 
-#include "core/geometry/ray_lanes.hpp"
 #include "core/integrators/direct_light.hpp"
 #include "core/integrators/opacity.hpp"
 #include "core/integrators/path_weights.hpp"
@@ -14,52 +12,56 @@
 
 namespace tessera::core {
 
-// With fewer than eight paths, the other lanes repeat the first.
+// With fewer than kLaneCount paths, the other lanes repeat the first.
 struct PathTracer::Paths {
-  Paths(const PathQueue::Batch& batch, std::span<const Hit> all_hits, const ShadingBins& bins,
+  Paths(ColumnsView<const PathState> batch, ColumnsView<const Hit> all_hits, const ShadingBins& bins,
         std::span<const std::uint32_t> slots)
-      : count(slots.size()), used((1u << slots.size()) - 1), continuing(used) {
-    RgbLanes throughputs;
-    FloatLanes eta_scales, guiding_pdf_ratios;
+      : count(slots.size()),
+        continuing((1u << slots.size()) - 1),
+        states(batch, rows_of(slots)),
+        rays(batch.field(&PathState::ray), rows_of(slots)),
+        hits(all_hits, rows_of(slots)),
+        path(states.all(&PathState::path)),
+        throughput(states.all(&PathState::throughput)),
+        eta_scale(states.all(&PathState::eta_scale)),
+        guiding_pdf_ratio(states.all(&PathState::guiding_pdf_ratio)) {
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       const std::uint32_t slot = slots[lane < slots.size() ? lane : 0];
-      heads[lane] = &batch.heads[slot];
-      hits[lane] = &all_hits[slot];
-      rays[lane] = &batch.rays[slot];
       materials[lane] = bins.material(slot);
       emissive_lanes |= (lane < slots.size() && bins.is_emissive(slot) ? 1u : 0u) << lane;
-      throughputs.set(lane, heads[lane]->throughput);
-      eta_scales.set(lane, heads[lane]->eta_scale);
-      guiding_pdf_ratios.set(lane, heads[lane]->guiding_pdf_ratio);
     }
-    throughput = throughputs.all();
-    eta_scale = eta_scales.all();
-    guiding_pdf_ratio = guiding_pdf_ratios.all();
   }
 
   // Ends the paths that have reached the maximum depth.
   void limit(std::span<const std::uint16_t> depths, int max_depth) {
     for (std::size_t lane = 0; lane < count; ++lane)
-      if (depths[heads[lane]->path] >= max_depth) continuing &= ~(1u << lane);
+      if (depths[path[lane]] >= max_depth) continuing &= ~(1u << lane);
   }
 
   std::array<const Sampler*, kLaneCount> of(std::span<const Sampler> samplers) const {
     std::array<const Sampler*, kLaneCount> of_lanes;
-    for (std::size_t lane = 0; lane < kLaneCount; ++lane) of_lanes[lane] = &samplers[heads[lane]->path];
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) of_lanes[lane] = &samplers[path[lane]];
     return of_lanes;
   }
 
+  static WordLanes rows_of(std::span<const std::uint32_t> slots) {
+    WordLanes rows;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+      rows.set(lane, slots[lane < slots.size() ? lane : 0]);
+    return rows;
+  }
+
   std::size_t count;
-  unsigned used;                // bit i for lane i
   unsigned continuing;          // bit i for lane i: may have further vertices
   unsigned emissive_lanes = 0;  // bit i for lane i: the hit may be emissive
-  std::array<const PathHead*, kLaneCount> heads;
-  std::array<const Ray*, kLaneCount> rays;
-  std::array<const Hit*, kLaneCount> hits;
+  RowLanes<PathState> states;
+  RayRows rays;
+  HitRows hits;
+  WordLanes path;
   SurfaceBatch::Materials materials;
   bool plain_triangles = false;  // in all lanes
-  RgbOf<Float8> throughput;
-  Float8 eta_scale, guiding_pdf_ratio;
+  RgbOf<FloatN> throughput;
+  FloatN eta_scale, guiding_pdf_ratio;
 };
 
 PathTracer::PathTracer(const RenderPlan& plan, std::span<const Sampler> samplers, std::span<Rgb> radiance,
@@ -76,47 +78,83 @@ PathTracer::PathTracer(const RenderPlan& plan, std::span<const Sampler> samplers
       depths_(samplers.size()),
       clamps_(settings_.clamp_indirect > 0),
       indirect_(clamps_ ? samplers.size() : 0),
+      enclosures_(scene_.nested_dielectrics().empty() ? 1 : samplers.size()),
       survives_(samplers.size()),
       bins_(scene_, plan.material_bins()) {
-  waiting_.front().make_room(samplers.size());
+  waiting_.front().reserve(samplers.size());
+  connections_.reserve(kBatchPaths);
+}
+
+void PathTracer::begin(std::span<const Ray> rays, std::span<const std::uint32_t> paths,
+                       std::span<const Vec3> focuses) {
+  Columns<PathState>& begun = waiting_.front();
+  const std::size_t first = begun.size();
+  begun.push((1u << rays.size()) - 1).fill({});
+  const ColumnsView<PathState> states = begun.all().rows(first, rays.size());
+  const ColumnsView<Ray> next_rays = states.field(&PathState::ray);
+  const ColumnsView<std::uint32_t> path_of = states.field(&PathState::path);
+  const ColumnsView<Vec3> positions = states.field(&PathState::last).field(&LightSampleContext::position);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const std::uint32_t path = paths[i];
+    radiance_[path] = {};
+    depths_[path] = 0;
+    if (clamps_) indirect_[path] = {};
+    if (!parts_.empty()) parts_[path].clear();
+    next_rays.set(i, rays[i]);
+    path_of.set(i, path);
+    if (lens_lights_ != nullptr) positions.set(i, focuses[i]);
+  }
 }
 
 std::span<const std::uint32_t> PathTracer::step(RenderCounters& counters) {
   const std::size_t list = longest_list(), next = list_after(list);
   if (next == waiting_.size()) waiting_.emplace_back();
-  PathQueue& paths = waiting_[list];
+  Columns<PathState>& paths = waiting_[list];
   next_paths_ = &waiting_[next];
-  batch_ = paths.last();
-  const std::size_t count = batch_.rays.size();
+  const std::size_t count = std::min(paths.size(), kBatchPaths), left = paths.size() - count;
   assert(count > 0);
-  next_paths_->make_room(count);
+  batch_ = paths.all().rows(left, count);
+  const ColumnsView<const Ray> rays = batch_.field(&PathState::ray);
+  const ColumnsView<Hit> hits = hits_.all().rows(0, count);
+  next_paths_->reserve(next_paths_->size() + count);
   counters.closest_hit_rays += count;
-  scene_.bvh().closest_hits(scene_.primitives(), batch_.rays, {hits_.data(), count});
+  scene_.bvh().closest_hits(scene_.primitives(), rays, hits);
 
   const int depth = static_cast<int>(std::min(list, kListsByDepth));
-  if (!scene_.is_opaque()) pass_through_surfaces(counters);
+  if (!scene_.is_opaque()) pass_through_surfaces(counters, depth);
   const int max_depth = settings_.max_depth > 0 ? settings_.max_depth : kMaxPathDepth;
-  bins_.sort(batch_.rays, {hits_.data(), count});
-  bins_.for_each_group([&](ShadingBin bin, std::span<const std::uint32_t> slots, bool plain_triangles) {
-    Paths together(batch_, hits_, bins_, slots);
-    together.plain_triangles = plain_triangles;
-    together.limit(depths_, max_depth);
-    shade(bin, together, depth);
+  bins_.sort(rays, hits, {boundaries_.data(), count});
+  const auto together = [&](std::span<const std::uint32_t> slots) {
+    Paths paths_of_slots(batch_, hits, bins_, slots);
+    paths_of_slots.limit(depths_, max_depth);
+    return paths_of_slots;
+  };
+  bins_.for_each_group([&](Kernel kernel, std::span<const std::uint32_t> slots, bool plain_triangles) {
+    Paths shaded = together(slots);
+    shaded.plain_triangles = plain_triangles;
+    shade(kernel, shaded, depth);
   });
+  bins_.for_each_escaped(
+      [&](std::span<const std::uint32_t> slots) { add_environment(together(slots), depth); });
   add_unoccluded(counters, depth);
   collect_ended();
-  paths.drop_last(count);
+  paths.resize(left);
   return ended_;
 }
 
 // Passing through a surface stochastically adds no depth, and tints the light.
-void PathTracer::pass_through_surfaces(RenderCounters& counters) {
-  const std::span<Hit> hits(hits_.data(), batch_.rays.size());
+void PathTracer::pass_through_surfaces(RenderCounters& counters, int depth) {
+  const ColumnsView<Rgb> throughputs = batch_.field(&PathState::throughput);
+  const auto path_in = [this](std::uint32_t slot) { return batch_.get(&PathState::path, slot); };
+  const auto enclosure_of = [&](std::uint32_t slot) -> Enclosure& { return enclosure(path_in(slot)); };
+  const auto count = static_cast<std::uint32_t>(batch_.size());
+  for (std::uint32_t slot = 0; depth == 0 && slot < count; ++slot) enclosure_of(slot) = {};
   counters.closest_hit_rays += pass_by_chance(
-      scene_, batch_.rays, hits,
-      [&](std::uint32_t slot) { return std::uint64_t{depths_[batch_.heads[slot].path]}; },
-      [&](std::uint32_t slot) -> const Sampler& { return samplers_[batch_.heads[slot].path]; },
-      [&](std::uint32_t slot, Rgb tint) { batch_.heads[slot].throughput *= tint; });
+      scene_, batch_.field(&PathState::ray), hits_.all().rows(0, count),
+      [&](std::uint32_t slot) { return std::uint64_t{depths_[path_in(slot)]}; },
+      [&](std::uint32_t slot) -> const Sampler& { return samplers_[path_in(slot)]; }, enclosure_of,
+      [&](std::uint32_t slot, Rgb tint) { throughputs.set(slot, throughputs[slot] * tint); });
+  for (std::uint32_t slot = 0; slot < count; ++slot) boundaries_[slot] = enclosure_of(slot).boundary;
 }
 
 std::size_t PathTracer::list_after(std::size_t list) {
@@ -133,12 +171,14 @@ std::size_t PathTracer::longest_list() const {
 
 void PathTracer::collect_ended() {
   ended_.clear();
-  for (const PathHead& head : batch_.heads) {
-    if (survives_[head.path] == 0) {
-      ended_.push_back(head.path);
-      if (clamps_) add_indirect(head.path);
+  const ColumnsView<std::uint32_t> paths = batch_.field(&PathState::path);
+  for (std::size_t slot = 0; slot < paths.size(); ++slot) {
+    const std::uint32_t path = paths[slot];
+    if (survives_[path] == 0) {
+      ended_.push_back(path);
+      if (clamps_) add_indirect(path);
     }
-    survives_[head.path] = 0;
+    survives_[path] = 0;
   }
 }
 
@@ -151,38 +191,28 @@ void PathTracer::add_indirect(std::uint32_t path) {
 
 // The random numbers for a decision at these paths' vertices; `pad_at` returns their pad, by depth.
 template <typename PadAt>
-std::array<Float8, 4> PathTracer::numbers(const Paths& paths, int depth, PadAt pad_at) const {
+std::array<FloatN, 4> PathTracer::numbers(const Paths& paths, int depth, PadAt pad_at) const {
   if (depth < static_cast<int>(kListsByDepth)) return Sampler::pads(paths.of(samplers_), pad_at(depth));
   std::array<std::uint32_t, kLaneCount> pads;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) pads[lane] = pad_at(depths_[paths.heads[lane]->path]);
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) pads[lane] = pad_at(depths_[paths.path[lane]]);
   return Sampler::pads(paths.of(samplers_), pads);
 }
 
-void PathTracer::shade(ShadingBin bin, const Paths& paths, int depth) {
-  using enum ShadingBin;
-  if (bin == kEscaped) return add_environment(paths, depth);
+void PathTracer::shade(Kernel kernel, const Paths& paths, int depth) {
   const SurfaceBatch surfaces(scene_, paths.rays, paths.hits, paths.materials, paths.plain_triangles);
-  switch (bin) {
-    case kDiffuse:
+  switch (kernel) {
+    case Kernel::kDiffuse:
       return shade(paths, diffuse_vertices(surfaces), depth);
-    case kGlossy:
+    case Kernel::kGlossy:
       return shade(paths, glossy_vertices(surfaces), depth);
-    case kPhong:
+    case Kernel::kPhong:
       return shade(paths, phong_vertices(surfaces), depth);
-    case kSpecular:
+    case Kernel::kSpecular:
       return shade(paths, specular_vertices(surfaces), depth);
-    case kPrincipled:
-    case kClearPrincipled:
-    case kPlastic:
-    case kConductor:
-    case kDiffuseTransmission:
-    case kThinDielectric:
+    case Kernel::kLayered:
       return shade(paths, layered_vertices(surfaces), depth);
-    case kMixed:
-      return shade(paths, mixed_vertices(surfaces, paths.count), depth);
-    case kBlends:
-    case kEscaped:
-      return;
+    case Kernel::kGeneral:
+      return shade(paths, general_vertices(surfaces), depth);
   }
 }
 
@@ -190,15 +220,15 @@ template <typename Vertices>
 void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) {
   for (unsigned lanes = paths.emissive_lanes; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    const std::uint32_t light = scene_.light_of(*paths.hits[lane]);
+    const Hit hit = paths.hits[lane];
+    const std::uint32_t light = scene_.light_of(hit);
     if (light == kNoLight) continue;
-    const Vec2Of<Float8>& uv = vertices.surface().uv;
+    const Vec2Of<FloatN>& uv = vertices.surface().uv;
     const Vec2 uv_of_lane{FloatLanes(uv.x)[lane], FloatLanes(uv.y)[lane]};
-    add_emission(
-        *paths.heads[lane],
-        {Vec3Lanes(vertices.position())[lane], scene_.primitives().uv_sets(*paths.hits[lane], uv_of_lane),
-         Vec3Lanes(vertices.wo())[lane], light, paths.rays[lane]->time},
-        depth);
+    add_emission(paths.states[lane],
+                 {Vec3Lanes(vertices.position())[lane], scene_.primitives().uv_sets(hit, uv_of_lane),
+                  Vec3Lanes(vertices.wo())[lane], light, paths.rays.get(&Ray::time, lane)},
+                 depth);
   }
   if (paths.continuing == 0) return;
   const Guidance guidance = guidance_at(vertices);
@@ -210,41 +240,39 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
 // Adds the environment's radiance to escaped rays.
 void PathTracer::add_environment(const Paths& paths, int depth) {
   for (std::size_t lane = 0; depth == 0 && !parts_.empty() && lane < paths.count; ++lane)
-    parts_[paths.heads[lane]->path].escaped = true;
+    parts_[paths.path[lane]].escaped = true;
   const std::uint32_t light = scene_.environment_light();
   if (light == kNoLight || (depth == 0 && !scene_.environment().visible_to_camera())) return;
-  Vec3Lanes directions, normals;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    directions.set(lane, paths.rays[lane]->direction);
-    normals.set(lane, paths.heads[lane]->last.normal);
-  }
-  const Environment::Seen seen = scene_.environment().see(normals.all(), directions.all(), compensation_);
+  const LightSampleContexts last = paths.states.all(&PathState::last);
+  const Environment::Seen seen =
+      scene_.environment().see(last.normal, paths.rays.all(&Ray::direction), compensation_);
   const RgbLanes radiance(seen.radiance);
   const FloatLanes pdf(seen.pdf);
   for (std::size_t lane = 0; lane < paths.count; ++lane) {
-    const PathHead& head = *paths.heads[lane];
-    const float weight = emitter_hit_weight(light, head, [&] { return pdf[lane]; });
+    const PathState state = paths.states[lane];
+    const float weight = emitter_hit_weight(light, state, [&] { return pdf[lane]; });
     if (weight > 0)
-      add(head.path, head.throughput * radiance[lane] * weight, depth, light,
+      add(state.path, state.throughput * radiance[lane] * weight, depth, light,
           LightParts::Source::kEnvironment);
   }
 }
 
 // Adds emission hit by the ray itself.
-void PathTracer::add_emission(const PathHead& head, const EmitterHit& hit, int depth) {
+void PathTracer::add_emission(const PathState& state, const EmitterHit& hit, int depth) {
   scene_.with_area_light(hit.light, hit.time, [&](const AreaLight& area) {
-    const auto pdf = [&] { return area.pdf(head.last.position, hit.position); };
-    const float weight = depth == 0 && lens_lights_ != nullptr ? camera_ray_weight(head, hit, pdf())
-                                                               : emitter_hit_weight(hit.light, head, pdf);
+    const auto pdf = [&] { return area.pdf(state.last.position, hit.position); };
+    const float weight = depth == 0 && lens_lights_ != nullptr ? camera_ray_weight(state, hit, pdf())
+                                                               : emitter_hit_weight(hit.light, state, pdf);
     if (weight > 0)
-      add(head.path, head.throughput * area.emitted(scene_.textures(), hit.position, hit.uv, hit.wo) * weight,
-          depth, hit.light);
+      add(state.path,
+          state.throughput * area.emitted(scene_.textures(), hit.position, hit.uv, hit.wo) * weight, depth,
+          hit.light);
   });
 }
 
 // The weight of light that a camera ray found, against connections to the lens.
-float PathTracer::camera_ray_weight(const PathHead& head, const EmitterHit& hit, float light_pdf) const {
-  return lens_lights_->weight(settings_.heuristic, {.focus = head.last.position,
+float PathTracer::camera_ray_weight(const PathState& state, const EmitterHit& hit, float light_pdf) const {
+  return lens_lights_->weight(settings_.heuristic, {.focus = state.last.position,
                                                     .direction = -hit.wo,
                                                     .time = hit.time,
                                                     .light = hit.light,
@@ -254,24 +282,21 @@ float PathTracer::camera_ray_weight(const PathHead& head, const EmitterHit& hit,
 // The weight of light that a BSDF sample found. If the previous vertex could also have sampled it, `nee`
 // leaves it to light sampling and `mis` weighs it. `pdf` is the density of the direction, given the light.
 template <typename Pdf>
-float PathTracer::emitter_hit_weight(std::uint32_t light, const PathHead& head, Pdf pdf) const {
-  if (head.last_pdf == kDeltaPdf || settings_.integrator == Integrator::kNaive) return 1;
-  if (settings_.integrator == Integrator::kNee || head.emitter_mis_scale == 0) return 0;
-  const float pmf = light_sampler_.pmf(head.last, light, compensation_);
-  return head.emitter_mis_scale * mis_weight(settings_.heuristic, head.last_pdf, pmf * pdf());
+float PathTracer::emitter_hit_weight(std::uint32_t light, const PathState& state, Pdf pdf) const {
+  if (state.last_pdf == kDeltaPdf || settings_.integrator == Integrator::kNaive) return 1;
+  if (settings_.integrator == Integrator::kNee || state.emitter_mis_scale == 0) return 0;
+  const float pmf = light_sampler_.pmf(state.last, light, compensation_);
+  return state.emitter_mis_scale * mis_weight(settings_.heuristic, state.last_pdf, pmf * pdf());
 }
 
-// The times of the paths' rays.
-Float8 PathTracer::times_of(const Paths& paths) const {
-  if (!scene_.has_motion()) return 0.0f;
-  FloatLanes times;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) times.set(lane, paths.rays[lane]->time);
-  return times.all();
+// The rays are those that follow the paths'. Where nothing moves, rays have no times.
+void PathTracer::put_times(const Paths& paths, const NewRows<Ray>& rays) const {
+  if (scene_.has_motion()) rays.put(&Ray::time, paths.rays.all(&Ray::time));
 }
 
 // Samples a light for each vertex, and evaluates what the vertex reflects of it along the path.
 template <typename Vertices>
-void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices, Float8 guide_share,
+void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices, FloatN guide_share,
                                    unsigned lit, int depth) {
   const auto u = numbers(paths, depth, light_pad);
   const FloatLanes coarse(u[2]), fine(u[3]);
@@ -281,42 +306,49 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
   const LightSampleContexts light_contexts{vertices.position(), vertices.light_normal()};
   const auto choices = light_sampler_.sample(light_contexts, u_light, lit, compensation_);
   std::array<const Light*, kLaneCount> chosen{};
+  WordLanes of_lights;
   FloatLanes pmf;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     const auto& [light, chance] = choices[lane];
     if ((lit >> lane & 1) != 0 && light != kNoLight) chosen[lane] = &scene_.lights()[light];
+    of_lights.set(lane, light);
     pmf.set(lane, chance);
   }
   const LightSamples lights =
-      sample_lights(chosen, scene_.textures(), light_contexts, {u[0], u[1]}, compensation_, times_of(paths));
-  const BsdfValueOf<Float8> scattered = vertices.evaluate(lights.wi);
-  const Mask8 found = lights.found & !is_black(scattered.value);
-  const Float8 light_pdf = pmf.all() * lights.pdf;
-  const Float8 weight = light_sample_weight(light_pdf, lights.delta, scattered.pdf * (1 - guide_share));
-  const RgbLanes gained(paths.throughput * (scattered.value * lights.radiance) * (weight / light_pdf));
-  const RayLanes rays(vertices.rays_toward(lights));
-  for (unsigned lanes = found.bits(); lanes != 0; lanes &= lanes - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    add_connection(rays[lane], paths.rays[lane]->time,
-                   {paths.heads[lane]->path, gained[lane], choices[lane].light});
-  }
+      sample_lights(chosen, scene_.textures(), light_contexts, {u[0], u[1]}, compensation_,
+                    scene_.has_motion() ? paths.rays.all(&Ray::time) : 0.0f);
+  const BsdfValueOf<FloatN> scattered = vertices.evaluate(lights.wi);
+  const MaskN found = lights.found & !is_black(scattered.value);
+  const FloatN light_pdf = pmf.all() * lights.pdf;
+  const FloatN weight = light_sample_weight(light_pdf, lights.delta, scattered.pdf * (1 - guide_share));
+  if (!any(found)) return;
+  const RayOf<FloatN> rays = vertices.rays_toward(lights);
+  const NewRows<Connection> added = connections_.push(found.bits());
+  const NewRows<Ray> shadow_rays = added.field(&Connection::ray);
+  shadow_rays.put(&Ray::origin, rays.origin);
+  shadow_rays.put(&Ray::direction, rays.direction);
+  shadow_rays.put(&Ray::t_max, rays.t_max);
+  put_times(paths, shadow_rays);
+  added.put(&Connection::path, paths.path.all());
+  added.put(&Connection::radiance,
+            paths.throughput * (scattered.value * lights.radiance) * (weight / light_pdf));
+  added.put(&Connection::light, of_lights.all());
 }
 
 // The weight of light that a light sample found, against the BSDF's density. Only light samples find delta
 // lights.
-Float8 PathTracer::light_sample_weight(Float8 light_pdf, Mask8 delta, Float8 bsdf_pdf) const {
+FloatN PathTracer::light_sample_weight(FloatN light_pdf, MaskN delta, FloatN bsdf_pdf) const {
   if (settings_.integrator != Integrator::kMis) return 1.0f;
-  return select(delta, Float8(1.0f), mis_weight(settings_.heuristic, light_pdf, bsdf_pdf));
+  return select(delta, FloatN(1.0f), mis_weight(settings_.heuristic, light_pdf, bsdf_pdf));
 }
 
 struct PathTracer::Directions {
-  Mask8 found, delta;
-  Vec3Of<Float8> wi;
-  RgbOf<Float8> weight;  // BSDF * cosine / pdf of the mixture
-  Float8 bsdf_pdf;       // the BSDF's share of that pdf
-  Float8 eta;
-  Float8 emitter_mis_scale,
-      guiding_pdf_ratio;  // PathHead::emitter_mis_scale, and the factor for PathHead::guiding_pdf_ratio
+  MaskN found, delta;
+  Vec3Of<FloatN> wi;
+  RgbOf<FloatN> weight;  // BSDF * cosine / pdf of the mixture
+  FloatN bsdf_pdf;       // the BSDF's share of that pdf
+  FloatN eta;
+  FloatN emitter_mis_scale, guiding_pdf_ratio;  // PathState::emitter_mis_scale, and a factor for its ratio
 };
 
 // Continues the paths that survive.
@@ -324,37 +356,38 @@ template <typename Vertices>
 void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance, int depth) {
   const auto u = numbers(paths, depth, scatter_pad);
   const Directions next = choose_directions(vertices, guidance, {u[0], u[1]}, u[2]);
-  RgbOf<Float8> throughput = paths.throughput * next.weight;
-  const Float8 eta_scale = paths.eta_scale * (next.eta * next.eta),
+  RgbOf<FloatN> throughput = paths.throughput * next.weight;
+  const FloatN eta_scale = paths.eta_scale * (next.eta * next.eta),
                guiding_pdf_ratio = paths.guiding_pdf_ratio * next.guiding_pdf_ratio;
-  const Mask8 survives = survives_roulette(throughput, eta_scale, guiding_pdf_ratio, depth, u[3]);
-  const RayLanes rays(vertices.ray_along(next.wi));
-  const RgbLanes throughputs(throughput);
-  const FloatLanes eta_scales(eta_scale), guiding_pdf_ratios(guiding_pdf_ratio),
-      emitter_mis_scales(next.emitter_mis_scale);
-  const FloatLanes pdf(select(next.delta, Float8(kDeltaPdf), next.bsdf_pdf));
-  const Vec3Lanes position(vertices.position()), normal(vertices.light_normal());
-  for (unsigned lanes = (next.found & survives).bits() & paths.continuing; lanes != 0; lanes &= lanes - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    survives_[paths.heads[lane]->path] = 1;
-    ++depths_[paths.heads[lane]->path];
-    Ray next_ray = rays[lane];
-    next_ray.time = paths.rays[lane]->time;
-    next_paths_->push(next_ray, {.path = paths.heads[lane]->path,
-                                 .throughput = throughputs[lane],
-                                 .eta_scale = eta_scales[lane],
-                                 .last_pdf = pdf[lane],
-                                 .last = {position[lane], normal[lane]},
-                                 .emitter_mis_scale = emitter_mis_scales[lane],
-                                 .guiding_pdf_ratio = guiding_pdf_ratios[lane]});
+  const MaskN survives = survives_roulette(throughput, eta_scale, guiding_pdf_ratio, depth, u[3]);
+  const unsigned going_on = (next.found & survives).bits() & paths.continuing;
+  if (going_on == 0) return;
+  for (unsigned lanes = going_on; lanes != 0; lanes &= lanes - 1) {
+    const std::uint32_t path = paths.path[static_cast<std::size_t>(std::countr_zero(lanes))];
+    survives_[path] = 1;
+    ++depths_[path];
   }
+  const RayOf<FloatN> along = vertices.ray_along(next.wi);
+  const NewRows<PathState> states = next_paths_->push(going_on);
+  const NewRows<Ray> rays = states.field(&PathState::ray);
+  rays.put(&Ray::origin, along.origin);
+  rays.put(&Ray::direction, along.direction);
+  rays.put(&Ray::t_max, along.t_max);
+  put_times(paths, rays);
+  states.put(&PathState::path, paths.path.all());
+  states.put(&PathState::throughput, throughput);
+  states.put(&PathState::eta_scale, eta_scale);
+  states.put(&PathState::last_pdf, select(next.delta, FloatN(kDeltaPdf), next.bsdf_pdf));
+  states.put(&PathState::last, {vertices.position(), vertices.light_normal()});
+  states.put(&PathState::emitter_mis_scale, next.emitter_mis_scale);
+  states.put(&PathState::guiding_pdf_ratio, guiding_pdf_ratio);
 }
 
 template <typename Vertices>
 PathTracer::Guidance PathTracer::guidance_at(const Vertices& vertices) const {
   if (!guide_ || all(vertices.is_delta())) return {};
   Guidance guidance = guide_->at(vertices.position(), vertices.side_normal());
-  guidance.share = select(vertices.is_delta(), Float8(0.0f), guidance.share);
+  guidance.share = select(vertices.is_delta(), FloatN(0.0f), guidance.share);
   return guidance;
 }
 
@@ -363,69 +396,73 @@ PathTracer::Guidance PathTracer::guidance_at(const Vertices& vertices) const {
 // samples, which then need no guiding densities.
 template <typename Vertices>
 PathTracer::Directions PathTracer::choose_directions(const Vertices& vertices, const Guidance& guidance,
-                                                     Vec2Of<Float8> u, Float8 u_lobe) const {
+                                                     Vec2Of<FloatN> u, FloatN u_lobe) const {
   constexpr float kBelowOne = 1 - 0x1p-24f;
-  const Float8 share = guidance.share, bsdf_share = 1 - share;
-  const Mask8 guided = u.x < share;
-  const Mask8 mixed = share > 0;
-  const Vec2Of<Float8> u_bsdf{smaller((u.x - share) / bsdf_share, Float8(kBelowOne)), u.y};
+  const FloatN share = guidance.share, bsdf_share = 1 - share;
+  const MaskN guided = u.x < share;
+  const MaskN mixed = share > 0;
+  const Vec2Of<FloatN> u_bsdf{smaller((u.x - share) / bsdf_share, FloatN(kBelowOne)), u.y};
   const auto [found, delta, wi, weight, pdf, eta] = vertices.sample(u_bsdf, u_lobe);
   Directions next{found, delta, wi, weight, pdf, eta, 1.0f, 1.0f};
   if (!any(mixed)) return next;
 
-  const Vec2Of<Float8> u_guide{smaller(u.x / share, Float8(kBelowOne)), u.y};
+  const Vec2Of<FloatN> u_guide{smaller(u.x / share, FloatN(kBelowOne)), u.y};
   const auto [mixed_wi, guide_pdf] = guide_->sample_or(guidance, guided, u_guide, wi);
   next.wi = mixed_wi;
-  RgbOf<Float8> value = weight * pdf;
-  Float8 bsdf_pdf = pdf;
+  RgbOf<FloatN> value = weight * pdf;
+  FloatN bsdf_pdf = pdf;
   if (any(guided)) {
     const auto at_guided = vertices.evaluate(select(guided, next.wi, {}));
     value = select(guided, at_guided.value, value);
     bsdf_pdf = select(guided, at_guided.pdf, pdf);
     next.found = (guided & !is_black(value)) | (found & !guided);
-    next.eta = select(guided, Float8(1.0f), eta);
+    next.eta = select(guided, FloatN(1.0f), eta);
   }
-  const Float8 by_bsdf = bsdf_share * bsdf_pdf;
-  const Float8 density = share * guide_pdf + by_bsdf;
+  const FloatN by_bsdf = bsdf_share * bsdf_pdf;
+  const FloatN density = share * guide_pdf + by_bsdf;
   next.weight = select(mixed, value * (1 / density), weight);
   next.bsdf_pdf = select(mixed, by_bsdf, pdf);
-  next.emitter_mis_scale = select(mixed, select(guided, Float8(0.0f), density / by_bsdf), Float8(1.0f));
-  next.guiding_pdf_ratio = select(mixed, density / bsdf_pdf, Float8(1.0f));
+  next.emitter_mis_scale = select(mixed, select(guided, FloatN(0.0f), density / by_bsdf), FloatN(1.0f));
+  next.guiding_pdf_ratio = select(mixed, density / bsdf_pdf, FloatN(1.0f));
   next.delta = delta & !guided;
-  const Mask8 by_delta = mixed & next.delta;
+  const MaskN by_delta = mixed & next.delta;
   if (!any(by_delta)) return next;
   // The guide generates no direction of a delta lobe.
   next.weight = select(by_delta, weight * (1 / bsdf_share), next.weight);
-  next.emitter_mis_scale = select(by_delta, Float8(1.0f), next.emitter_mis_scale);
+  next.emitter_mis_scale = select(by_delta, FloatN(1.0f), next.emitter_mis_scale);
   next.guiding_pdf_ratio = select(by_delta, bsdf_share, next.guiding_pdf_ratio);
   return next;
 }
 
 void PathTracer::add_unoccluded(RenderCounters& counters, int depth) {
-  const std::size_t count = std::exchange(connection_count_, 0);
-  counters.shadow_rays += count;
-  scene_.bvh().any_hits(scene_.primitives(), {shadow_rays_.data(), count}, {occluded_.data(), count});
-  for (std::size_t i = 0; i < count; ++i)
+  const ColumnsView<const Connection> all = connections_.all();
+  assert(all.size() <= kBatchPaths);
+  counters.shadow_rays += all.size();
+  scene_.bvh().any_hits(scene_.primitives(), all.field(&Connection::ray), {occluded_.data(), all.size()});
+  for (std::size_t i = 0; i < all.size(); ++i)
     if (occluded_[i] == 0)
-      add(connections_[i].path, connections_[i].radiance, depth + 1, connections_[i].light);
-  if (!scene_.is_opaque()) add_transmitted(count, counters, depth);
+      add(all.get(&Connection::path, i), all.get(&Connection::radiance, i), depth + 1,
+          all.get(&Connection::light, i));
+  if (!scene_.is_opaque()) add_transmitted(counters, depth);
+  connections_.clear();
 }
 
 // Adds the light of occluded connections that partly transparent surfaces let through.
-void PathTracer::add_transmitted(std::size_t count, RenderCounters& counters, int depth) {
-  std::vector<Ray> rays;
-  std::vector<std::size_t> of_rays;
-  for (std::size_t i = 0; i < count; ++i) {
+void PathTracer::add_transmitted(RenderCounters& counters, int depth) {
+  Columns<Ray> rays;
+  std::vector<Connection> of_rays;
+  std::vector<Enclosure> enclosures;
+  for (std::size_t i = 0; i < connections_.size(); ++i) {
     if (occluded_[i] == 0) continue;
-    rays.push_back(shadow_rays_[i]);
-    of_rays.push_back(i);
+    of_rays.push_back(connections_[i]);
+    rays.push(of_rays.back().ray);
+    enclosures.push_back(depth == kAtLens ? Enclosure{} : enclosure(of_rays.back().path));
   }
   std::vector<Rgb> shares(rays.size());
-  counters.shadow_rays += find_transmittances(scene_, rays, shares);
-  for (std::size_t k = 0; k < rays.size(); ++k) {
-    const auto& [path, radiance, light] = connections_[of_rays[k]];
-    if (!is_black(shares[k])) add(path, radiance * shares[k], depth + 1, light);
-  }
+  counters.shadow_rays += find_transmittances(scene_, rays.all(), enclosures, shares);
+  for (std::size_t k = 0; k < of_rays.size(); ++k)
+    if (!is_black(shares[k]))
+      add(of_rays[k].path, of_rays[k].radiance * shares[k], depth + 1, of_rays[k].light);
 }
 
 }  // namespace tessera::core

@@ -14,10 +14,12 @@
 
 #include "core/film/film.hpp"
 #include "core/integrators/light_parts.hpp"
-#include "core/integrators/path_queue.hpp"
+#include "core/integrators/opacity.hpp"
+#include "core/integrators/path_state.hpp"
 #include "core/integrators/render_plan.hpp"
 #include "core/integrators/shading_bins.hpp"
 #include "core/integrators/vertex_batch.hpp"
+#include "core/math/columns.hpp"
 #include "core/sampling/sampler.hpp"
 #include "core/scene/scene.hpp"
 
@@ -35,20 +37,13 @@ class PathTracer {
   PathTracer(const RenderPlan& plan, std::span<const Sampler> samplers, std::span<Rgb> radiance,
              std::span<LightParts> parts = {});
 
-  // Starts path `path`, which must not be active, with a camera ray. `focus` is where the camera has the ray
-  // in focus, if the plan has lens lights.
-  void begin(const Ray& ray, std::uint32_t path, Vec3 focus = {}) {
-    assert(path < samplers_.size());
-    radiance_[path] = {};
-    depths_[path] = 0;
-    if (clamps_) indirect_[path] = {};
-    if (!parts_.empty()) parts_[path].clear();
-    waiting_.front().push(ray, {.path = path, .last = {focus, {}}});
-  }
+  // Starts path paths[i], which must not be active, with the camera ray rays[i], for up to kLaneCount of
+  // them. focuses[i] is where the camera has the ray in focus, if the plan has lens lights.
+  void begin(std::span<const Ray> rays, std::span<const std::uint32_t> paths, std::span<const Vec3> focuses);
   // Adds light that arrives at the lens to a path that has begun, unless something is in the way. For up to
   // kBatchPaths connections, which are traced together by add_connections(), before the next step.
   void connect(std::uint32_t path, const LensLights::Connection& connection) {
-    add_connection(connection.ray, connection.ray.time, {path, connection.radiance, connection.light});
+    connections_.push({connection.ray, path, connection.radiance, connection.light});
   }
   void add_connections(RenderCounters& counters) { add_unoccluded(counters, kAtLens); }
 
@@ -59,14 +54,18 @@ class PathTracer {
  private:
   // Unoccluded light for a vertex, to be added if the shadow ray hits nothing.
   struct Connection {
+    Ray ray;
     std::uint32_t path;
     Rgb radiance;  // to be added to the path
     std::uint32_t light;
   };
 
-  struct Paths;  // up to eight paths
+  struct Paths;  // up to kLaneCount paths
 
-  void pass_through_surfaces(RenderCounters& counters);
+  Enclosure& enclosure(std::uint32_t path) {
+    return enclosures_[scene_.nested_dielectrics().empty() ? 0 : path];
+  }
+  void pass_through_surfaces(RenderCounters& counters, int depth);
   static constexpr std::size_t kListsByDepth = 64;  // even
   static std::size_t list_after(std::size_t list);
   std::size_t longest_list() const;
@@ -74,9 +73,9 @@ class PathTracer {
   void add_indirect(std::uint32_t path);
   template <typename Vertices>
   void shade(const Paths& paths, const Vertices& vertices, int depth);
-  void shade(ShadingBin bin, const Paths& paths, int depth);
+  void shade(Kernel kernel, const Paths& paths, int depth);
   template <typename PadAt>
-  std::array<Float8, 4> numbers(const Paths& paths, int depth, PadAt pad_at) const;
+  std::array<FloatN, 4> numbers(const Paths& paths, int depth, PadAt pad_at) const;
   void add_environment(const Paths& paths, int depth);
   // A point of an area light that a ray has hit.
   struct EmitterHit {
@@ -86,35 +85,28 @@ class PathTracer {
     std::uint32_t light;
     float time;
   };
-  void add_emission(const PathHead& head, const EmitterHit& hit, int depth);
-  Float8 times_of(const Paths& paths) const;
-  float camera_ray_weight(const PathHead& head, const EmitterHit& hit, float light_pdf) const;
+  void add_emission(const PathState& state, const EmitterHit& hit, int depth);
+  void put_times(const Paths& paths, const NewRows<Ray>& rays) const;
+  float camera_ray_weight(const PathState& state, const EmitterHit& hit, float light_pdf) const;
   template <typename Pdf>
-  float emitter_hit_weight(std::uint32_t light, const PathHead& head, Pdf pdf) const;
-  using Guidance = LightGuide::GuidanceOf<Float8>;
+  float emitter_hit_weight(std::uint32_t light, const PathState& state, Pdf pdf) const;
+  using Guidance = LightGuide::GuidanceOf<FloatN>;
   template <typename Vertices>
   Guidance guidance_at(const Vertices& vertices) const;
   template <typename Vertices>
-  void connect_to_lights(const Paths& paths, const Vertices& vertices, Float8 guide_share, unsigned lit,
+  void connect_to_lights(const Paths& paths, const Vertices& vertices, FloatN guide_share, unsigned lit,
                          int depth);
-  Float8 light_sample_weight(Float8 light_pdf, Mask8 delta, Float8 bsdf_pdf) const;
+  FloatN light_sample_weight(FloatN light_pdf, MaskN delta, FloatN bsdf_pdf) const;
   template <typename Vertices>
   void scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance, int depth);
   struct Directions;  // continuation directions of paths
   template <typename Vertices>
-  Directions choose_directions(const Vertices& vertices, const Guidance& guidance, Vec2Of<Float8> u,
-                               Float8 u_lobe) const;
-  void add_connection(const Ray& ray, float time, const Connection& connection) {
-    assert(connection_count_ < kBatchPaths);
-    shadow_rays_[connection_count_] = ray;
-    shadow_rays_[connection_count_].time = time;
-    connections_[connection_count_] = connection;
-    ++connection_count_;
-  }
+  Directions choose_directions(const Vertices& vertices, const Guidance& guidance, Vec2Of<FloatN> u,
+                               FloatN u_lobe) const;
   // The depth of the lens, where light arrives that was never scattered.
   static constexpr int kAtLens = -1;
   void add_unoccluded(RenderCounters& counters, int depth);
-  void add_transmitted(std::size_t count, RenderCounters& counters, int depth);
+  void add_transmitted(RenderCounters& counters, int depth);
   // Adds light of the light of this index that was scattered this many times.
   void add(std::uint32_t path, Rgb radiance, int scatterings, std::uint32_t light,
            LightParts::Source source = LightParts::Source::kEmission) {
@@ -134,21 +126,22 @@ class PathTracer {
   const std::span<LightParts> parts_;  // empty, or one for each path
   // Waiting paths by depth; never empty. Two more lists, for even and odd depths, hold paths with a depth
   // of at least kListsByDepth.
-  std::deque<PathQueue> waiting_{1};
-  std::vector<std::uint16_t> depths_;   // depth of each path
-  const bool clamps_;                   // settings_.clamp_indirect
-  std::vector<Rgb> indirect_;           // by path, if it clamps: indirect light
+  std::deque<Columns<PathState>> waiting_{1};
+  std::vector<std::uint16_t> depths_;  // depth of each path
+  const bool clamps_;                  // settings_.clamp_indirect
+  std::vector<Rgb> indirect_;          // by path, if it clamps: indirect light
+  // By path: where it is among nested dielectrics. A single one where there are none.
+  std::vector<Enclosure> enclosures_;
   std::vector<std::uint8_t> survives_;  // by path: whether it survives this step
   std::vector<std::uint32_t> ended_;
   // State of a step:
-  PathQueue::Batch batch_;
-  PathQueue* next_paths_ = nullptr;
-  std::array<Hit, kBatchPaths> hits_;  // of the batch's rays
+  ColumnsView<PathState> batch_;
+  Columns<PathState>* next_paths_ = nullptr;
+  Columns<Hit> hits_{kBatchPaths};                       // of the batch's rays
+  std::array<const Material*, kBatchPaths> boundaries_;  // Enclosure::boundary of hits_, if any are nested
   ShadingBins bins_;
-  std::size_t connection_count_ = 0;
-  std::array<Ray, kBatchPaths> shadow_rays_;
-  std::array<Connection, kBatchPaths> connections_;  // of shadow_rays_
-  std::array<std::uint8_t, kBatchPaths> occluded_;   // of shadow_rays_
+  Columns<Connection> connections_;
+  std::array<std::uint8_t, kBatchPaths> occluded_;  // of connections_
 };
 
 }  // namespace tessera::core

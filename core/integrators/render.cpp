@@ -139,22 +139,27 @@ class Renderer {
     const FloatLanes u_x(pads[0]), u_y(pads[1]), lens_u(pads[2]), lens_v(pads[3]);
     FloatLanes time{};
     if (scene_.has_motion()) time = FloatLanes(Sampler::pads(samplers, kTimePad)[0]);
+    std::array<Ray, kLaneCount> rays;
+    std::array<Vec3, kLaneCount> focuses;
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const Vec2 raster = raster_of(numbers[i], {u_x[i], u_y[i]});
-      send(
-          scene_.camera_ray(raster, settings_.width_px, settings_.height_px, {lens_u[i], lens_v[i]}, time[i]),
-          raster, numbers[i]);
+      rays[i] =
+          scene_.camera_ray(raster, settings_.width_px, settings_.height_px, {lens_u[i], lens_v[i]}, time[i]);
+      layers_.begin(rays[i], samples_[numbers[i]].id, samplers_[numbers[i]]);
+      if (plan_.lens_lights() != nullptr) focuses[i] = focus_of(raster, time[i]);
     }
+    if (plan_.sample_tracer() != nullptr) return trace_samples(numbers, rays);
+    path_tracer_.begin(std::span(rays).first(numbers.size()), numbers, focuses);
     if (plan_.lens_lights() != nullptr) connect_lens(numbers, samplers, time);
   }
 
-  void send(const Ray& ray, Vec2 raster, std::uint32_t number) {
-    layers_.begin(ray, samples_[number].id, samplers_[number]);
-    const SampleTracer trace = plan_.sample_tracer();
-    if (trace == nullptr && plan_.lens_lights() == nullptr) return path_tracer_.begin(ray, number);
-    if (trace == nullptr) return path_tracer_.begin(ray, number, focus_of(raster, ray.time));
-    radiance_[number] = trace(plan_, samplers_[number], ray, counters_, layers_.parts_of(number));
-    deposit_or_report(number);
+  void trace_samples(std::span<const std::uint32_t> numbers, std::span<const Ray> rays) {
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      const std::uint32_t number = numbers[i];
+      radiance_[number] =
+          plan_.sample_tracer()(plan_, samplers_[number], rays[i], counters_, layers_.parts_of(number));
+      deposit_or_report(number);
+    }
   }
 
   // Of a point of the image. Apart, as what few scenes need.

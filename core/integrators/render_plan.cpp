@@ -41,7 +41,7 @@ RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threa
   if (uses_guide(scene, settings.integrator))
     prepared->guide = build_caustic_guide(scene, prepared->light_sampler, threads);
   if (uses_lens_lights(scene, settings.integrator)) prepared->lens_lights = LensLights(scene, threads);
-  prepared->material_bins = material_bins(scene.materials());
+  prepared->material_bins = material_bins(scene);
   prepared->sample_tracer = sample_tracer_for(scene, settings.integrator);
   return {scene, settings, std::move(prepared)};
 }

@@ -43,7 +43,7 @@ class RenderPlan {
   const LensLights* lens_lights() const {
     return prepared_->lens_lights.empty() ? nullptr : &prepared_->lens_lights;
   }
-  std::span<const MaterialBin> material_bins() const { return prepared_->material_bins; }
+  const MaterialBins& material_bins() const { return prepared_->material_bins; }
   // Null if the integrator traces batches of paths (path.hpp).
   SampleTracer sample_tracer() const { return prepared_->sample_tracer; }
 
@@ -56,7 +56,7 @@ class RenderPlan {
     LightSampler light_sampler;
     LightGuide guide;
     LensLights lens_lights;
-    std::vector<MaterialBin> material_bins;
+    MaterialBins material_bins;
     SampleTracer sample_tracer = nullptr;
   };
   RenderPlan(const Scene& scene, const RenderSettings& settings, std::shared_ptr<const Prepared> prepared)

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/integrators/sample_layers.hpp"
 
-#include <utility>
-
 namespace tessera::core {
 namespace {
 
@@ -48,9 +46,10 @@ void SampleLayers::note_camera_ray(const Ray& ray, SampleId id, const Sampler& s
 std::uint64_t SampleLayers::add_surfaces() {
   if (rays_.empty()) return 0;
   hits_.resize(rays_.size());
-  const std::uint64_t traced = find_first_hits(scene_, std::exchange(rays_, {}), samplers_, hits_);
+  const std::uint64_t traced = find_first_hits(scene_, rays_, samplers_, hits_);
   for (std::size_t i = 0; i < hits_.size(); ++i)
     if (hits_[i].found) add_surface(pixels_[i], hits_[i], samplers_[i]->film_dither());
+  rays_.clear();
   samplers_.clear();
   pixels_.clear();
   return traced;

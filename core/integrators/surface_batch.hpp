@@ -11,43 +11,43 @@
 
 #include "core/geometry/surface_points.hpp"
 #include "core/integrators/vertex.hpp"
+#include "core/materials/model_at.hpp"
 #include "core/math/lane_array.hpp"
-#include "core/shading/layered_materials.hpp"
 
 namespace tessera::core {
 
 struct SurfaceBatch {
-  using Materials = std::array<const Material*, kLaneCount>;
+  using Materials = MaterialsOf<FloatN>;
 
   // `materials` are those that scatter light (scatterer_of). `plain_triangles`: that
   // Primitives::is_plain_triangle() holds in all lanes, which is faster.
-  SurfaceBatch(const Scene& scene, const RayPointers& rays, const HitPointers& hits,
-               const Materials& materials, bool plain_triangles);
+  SurfaceBatch(const Scene& scene, const RayRows& rays, const HitRows& hits, const Materials& materials,
+               bool plain_triangles);
 
   // outward_normal() in each lane.
-  Vec3Of<Float8> outward_normals() const;
+  Vec3Of<FloatN> outward_normals() const;
   // The base colours' vertex colours; white without any.
-  RgbOf<Float8> tints() const;
+  RgbOf<FloatN> tints() const;
   // What the models' parameters are evaluated at.
-  MaterialPointOf<Float8> material_point() const {
-    return {scene.textures(), uv_sets(), side.outside, tints()};
+  MaterialPointOf<FloatN> material_point() const {
+    return {scene.textures(), uv_sets(), side.outside, tints(), scene.primitives().has_vertex_colors()};
   }
-  UvSetsOf<Float8> uv_sets() const { return scene.primitives().uv_sets(hits, surface.uv); }
+  UvSetsOf<FloatN> uv_sets() const { return scene.primitives().uv_sets(hits, surface.uv); }
   // The lanes where the viewer sees the back of a surface that only its front scatters from.
-  Mask8 black_backs() const;
+  MaskN black_backs() const;
   // The lanes with ShadingNormals::kPlain.
-  Mask8 plain_normals() const;
+  MaskN plain_normals() const;
 
   const Scene& scene;
-  const HitPointers& hits;
+  const HitRows& hits;
   const Materials& materials;
-  SurfacePointOf<Float8> surface;
-  Vec3Of<Float8> wo;  // unit, towards the origins of the rays
-  ViewedSide<Float8> side;
+  SurfacePointOf<FloatN> surface;
+  Vec3Of<FloatN> wo;  // unit, towards the origins of the rays
+  ViewedSide<FloatN> side;
 
  private:
-  Vec3Of<Float8> normal_mapped() const;
-  Vec3Of<Float8> bumped(Vec3Of<Float8> normals) const;
+  Vec3Of<FloatN> normal_mapped() const;
+  Vec3Of<FloatN> bumped(Vec3Of<FloatN> normals) const;
 };
 
 }  // namespace tessera::core

@@ -88,13 +88,15 @@ Vec3 viewed_normal(const ViewedSide<float>& side, Vec3 outward, const MaterialMo
 
 }  // namespace
 
-PathVertex::PathVertex(const Scene& scene, const Ray& ray, const Hit& hit)
-    : PathVertex(scene, hit, scene.primitives().surface(ray, hit), normalize(-ray.direction)) {
+PathVertex::PathVertex(const Scene& scene, const Ray& ray, const Hit& hit, const Material* boundary)
+    : PathVertex(scene, hit, scene.primitives().surface(ray, hit), normalize(-ray.direction), boundary) {
   time_ = ray.time;
 }
 
-PathVertex::PathVertex(const Scene& scene, const Hit& hit, const SurfacePoint& surface, Vec3 wo)
-    : PathVertex(scene, scatterer_of(scene, hit, surface, wo), hit, surface, wo) {}
+PathVertex::PathVertex(const Scene& scene, const Hit& hit, const SurfacePoint& surface, Vec3 wo,
+                       const Material* boundary)
+    : PathVertex(scene, boundary != nullptr ? *boundary : scatterer_of(scene, hit, surface, wo), hit, surface,
+                 wo) {}
 
 PathVertex::PathVertex(const Scene& scene, const Material& material, const Hit& hit,
                        const SurfacePoint& surface, Vec3 wo)

@@ -33,7 +33,7 @@ struct ViewedSide {
   Vec3Of<T> normal;  // geometric
 };
 
-// The part of a vertex common to all materials. T is float or Float8.
+// The part of a vertex common to all materials. T is float or FloatN.
 template <typename T, typename BsdfType>
 class VertexOf {
  public:
@@ -134,7 +134,8 @@ class VertexOf {
 // A vertex of any material.
 class PathVertex : public VertexOf<float, Bsdf> {
  public:
-  PathVertex(const Scene& scene, const Ray& ray, const Hit& hit);
+  // `boundary`, unless it is null, scatters in place of the material at the hit.
+  PathVertex(const Scene& scene, const Ray& ray, const Hit& hit, const Material* boundary = nullptr);
 
   bool is_delta() const { return bsdf_.is_delta(); }
   bool has_delta() const { return bsdf_.has_delta(); }
@@ -164,7 +165,8 @@ class PathVertex : public VertexOf<float, Bsdf> {
   Ray ray_toward(const LightSample& light) const;
 
  private:
-  PathVertex(const Scene& scene, const Hit& hit, const SurfacePoint& surface, Vec3 wo);
+  PathVertex(const Scene& scene, const Hit& hit, const SurfacePoint& surface, Vec3 wo,
+             const Material* boundary);
   PathVertex(const Scene& scene, const Material& material, const Hit& hit, const SurfacePoint& surface,
              Vec3 wo);
   PathVertex(const Scene& scene, const Material& material, const Hit& hit, const SurfacePoint& surface,

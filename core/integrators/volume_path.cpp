@@ -54,10 +54,11 @@ class MediumVertex {
   Vec3 position_, wo_;
 };
 
-// The medium behind a surface in `direction`, for a ray that is in `current` before.
-int medium_beyond(const MediumInterface& media, const SurfacePoint& surface, Vec3 direction, int current) {
-  if (!media.changes_medium()) return current;
-  return dot(surface.geometric_normal, direction) > 0 ? media.exterior : media.interior;
+// The medium behind a surface in `direction`, for a ray that is in `current` before. `material` is null for a
+// surface without effect.
+int medium_beyond(const Material* material, const SurfacePoint& surface, Vec3 direction, int current) {
+  if (material == nullptr || !material->media.changes_medium()) return current;
+  return dot(surface.geometric_normal, direction) > 0 ? material->media.exterior : material->media.interior;
 }
 
 class VolumePath {
@@ -86,7 +87,7 @@ class VolumePath {
   // Follows the ray to the next vertex and scatters there; false if the path ends.
   bool step();
   bool collides(float t_max, NumberStream& numbers, std::optional<float>& t);
-  bool shade_surface(const Hit& hit);
+  bool shade_surface(const Hit& hit, const Material& material);
   void add_environment();
   void add_emission(const PathVertex& vertex, const Hit& hit);
   void add_light(Rgb radiance, std::uint32_t light, float pdf, LightParts::Source source);
@@ -94,7 +95,7 @@ class VolumePath {
   bool scatter(const Vertex& vertex, const MediumToward& medium_toward);
   template <typename Vertex, typename MediumToward>
   void connect_to_light(const Vertex& vertex, const MediumToward& medium_toward);
-  SpectralWeights visibility(const Ray& ray, int medium);
+  SpectralWeights visibility(const Ray& ray, int medium, Enclosure enclosure);
   void attenuate(const Ray& ray, float t_max, int medium, NumberStream& numbers,
                  SpectralWeights& weights) const;
 
@@ -115,11 +116,12 @@ class VolumePath {
   const int hero_;           // the channel that samples distances
 
   Ray ray_;
-  int medium_;  // at the ray's origin
+  int medium_;           // at the ray's origin
+  Enclosure enclosure_;  // of the ray's origin
   int depth_ = 0;
   SpectralWeights weights_;
-  float eta_scale_ = 1;  // as PathHead
-  bool delta_ = true;    // only the ray finds what it hits: as PathHead::last_pdf == kDeltaPdf
+  float eta_scale_ = 1;  // as PathState
+  bool delta_ = true;    // only the ray finds what it hits: as PathState::last_pdf == kDeltaPdf
   LightSampleContext last_{};
   Rgb radiance_{}, indirect_{};
 };
@@ -133,6 +135,9 @@ bool VolumePath::step() {
     std::optional<float> collision;
     if (!collides(hit.found() ? hit.t : ray_.t_max, numbers, collision)) return false;
     if (collision) {
+      // What encloses a collision does not depend on where the path goes on.
+      const Enclosing around = enclosure_.along(ray_.direction);
+      enclosure_ = {.outside = around, .inside = around};
       const Medium& medium = scene_.media()[static_cast<std::size_t>(medium_)];
       const MediumVertex vertex(medium, ray_.origin + ray_.direction * *collision, normalize(-ray_.direction),
                                 ray_.time);
@@ -142,12 +147,12 @@ bool VolumePath::step() {
       add_environment();
       return false;
     }
-    const Crossing met = crossing_at(scene_, ray_, hit, crossing);
+    const Crossing met = crossing_at(scene_, ray_, hit, crossing, enclosure_);
     if (met.hit >= 1 ||
         (met.hit > 0 && sampler_.opacity_number(static_cast<std::uint64_t>(depth_), crossing) < met.hit))
-      return shade_surface(hit);
+      return shade_surface(hit, *met.material);
     weights_.throughput *= met.tint();
-    medium_ = medium_beyond(scene_.material_of(hit).media, met.surface, ray_.direction, medium_);
+    medium_ = medium_beyond(met.material, met.surface, ray_.direction, medium_);
     ray_ = {offset_origin(met.surface, ray_.direction), ray_.direction, ray_.t_max, ray_.time};
   }
 }
@@ -162,11 +167,10 @@ bool VolumePath::collides(float t_max, NumberStream& numbers, std::optional<floa
   return max_component(weights_.throughput) > 0;
 }
 
-bool VolumePath::shade_surface(const Hit& hit) {
-  const PathVertex vertex(scene_, ray_, hit);
+bool VolumePath::shade_surface(const Hit& hit, const Material& material) {
+  const PathVertex vertex(scene_, ray_, hit, enclosure_.boundary);
   add_emission(vertex, hit);
-  const MediumInterface& media = scene_.material_of(hit).media;
-  return scatter(vertex, [&](Vec3 wi) { return medium_beyond(media, vertex.surface(), wi, medium_); });
+  return scatter(vertex, [&](Vec3 wi) { return medium_beyond(&material, vertex.surface(), wi, medium_); });
 }
 
 void VolumePath::add_environment() {
@@ -236,7 +240,7 @@ void VolumePath::connect_to_light(const Vertex& vertex, const MediumToward& medi
   if (!light) return;
   const BsdfValue scattered = vertex.evaluate(light->wi);
   if (is_black(scattered.value)) return;
-  const SpectralWeights seen = visibility(vertex.ray_toward(*light), medium_toward(light->wi));
+  const SpectralWeights seen = visibility(vertex.ray_toward(*light), medium_toward(light->wi), enclosure_);
   if (is_black(seen.throughput)) return;
   const float by_light = mean(weights_.unidirectional * seen.light) * (light->pdf * choice.pmf);
   const float by_scattering = mean(weights_.unidirectional * seen.unidirectional) * scattered.pdf;
@@ -247,8 +251,8 @@ void VolumePath::connect_to_light(const Vertex& vertex, const MediumToward& medi
       depth_ + 1, choice.light);
 }
 
-// The weights of a shadow ray that begins in `medium`: `throughput` is its transmittance.
-SpectralWeights VolumePath::visibility(const Ray& ray, int medium) {
+// The weights of a shadow ray that begins in `medium` and at `enclosure`: `throughput` is its transmittance.
+SpectralWeights VolumePath::visibility(const Ray& ray, int medium, Enclosure enclosure) {
   NumberStream numbers = sampler_.stream(shadow_stream(depth_), shadow_medium_pad(depth_));
   SpectralWeights weights;
   if (scene_.is_opaque()) {
@@ -263,13 +267,13 @@ SpectralWeights VolumePath::visibility(const Ray& ray, int medium) {
     const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), rest);
     Crossing met{};
     if (hit.found()) {
-      met = crossing_at(scene_, rest, hit, crossing);
+      met = crossing_at(scene_, rest, hit, crossing, enclosure);
       weights.throughput *= met.transmittance;
       if (is_black(weights.throughput)) return weights;
     }
     attenuate(rest, hit.found() ? hit.t : rest.t_max, medium, numbers, weights);
     if (!hit.found() || is_black(weights.throughput)) return weights;
-    medium = medium_beyond(scene_.material_of(hit).media, met.surface, rest.direction, medium);
+    medium = medium_beyond(met.material, met.surface, rest.direction, medium);
     const std::optional<Ray> beyond = rest_of(ray, met.surface);
     if (!beyond) return weights;
     rest = *beyond;

@@ -19,6 +19,7 @@ struct Branch {
   int depth = 0;
   Rgb weight = Rgb::gray(1);  // multiplies the radiance along the ray
   float eta_scale = 1;        // undoes the compression of radiance by refraction in `weight`
+  Enclosure enclosure{};      // where the ray begins
 
   float share() const { return max_component(weight) * eta_scale; }
 };
@@ -44,12 +45,13 @@ class TreeTracer {
   // textures reflect more than they receive, it can be as deep as the tree.
   void follow(Branch branch) {
     while (rays_ < kMaxWhittedRays) {
-      const auto [ray, hit, traced, tint] = meet_by_chance(scene_, branch.ray, sampler_, branch.node);
+      const auto [ray, hit, traced, tint] =
+          meet_by_chance(scene_, branch.ray, sampler_, branch.node, branch.enclosure);
       branch.weight *= tint;
       counters_.closest_hit_rays += traced;
       rays_ += static_cast<int>(traced);
       if (!hit.found()) return add_environment(branch);
-      const PathVertex vertex(scene_, ray, hit);
+      const PathVertex vertex(scene_, ray, hit, branch.enclosure.boundary);
       add_emission(branch, vertex, hit);
       if (!vertex.is_delta()) add_direct_light(branch, vertex);
       if (!vertex.has_delta()) return;
@@ -75,9 +77,12 @@ class TreeTracer {
         children[i].weight = {};
         continue;
       }
-      children[i] = {vertex.ray_along(direction->wi), tree_child(branch.node, static_cast<std::uint32_t>(i)),
-                     branch.depth + 1, branch.weight * direction->weight,
-                     branch.eta_scale * direction->eta * direction->eta};
+      children[i] = {vertex.ray_along(direction->wi),
+                     tree_child(branch.node, static_cast<std::uint32_t>(i)),
+                     branch.depth + 1,
+                     branch.weight * direction->weight,
+                     branch.eta_scale * direction->eta * direction->eta,
+                     branch.enclosure};
     }
     return children;
   }
@@ -130,7 +135,7 @@ class TreeTracer {
     const auto light = sample_light(scene_.lights()[choice.light], scene_.textures(), vertex.light_context(),
                                     u, MisCompensation::kOff, vertex.time());
     if (!light) return;
-    const Rgb reflected = reflected_light(scene_, vertex, *light, counters_);
+    const Rgb reflected = reflected_light(scene_, vertex, *light, branch.enclosure, counters_);
     add(branch.weight * reflected / (light->pdf * choice.pmf), branch.depth + 1, choice.light);
   }
 

@@ -68,7 +68,8 @@ void Scene::set_materials(std::vector<Material> materials, std::vector<MediumDes
   media_.clear();
   if (has_media_)
     for (const MediumDescription& medium : media) media_.emplace_back(medium, grids_);
-  is_opaque_ = true;
+  nested_dielectrics_ = NestedDielectrics(materials);
+  is_opaque_ = nested_dielectrics_.empty();
   materials_ = std::move(materials);
   for (Material& material : materials_) {
     material.opacity = without_constant_texture(material.opacity, textures_);

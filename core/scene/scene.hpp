@@ -17,6 +17,7 @@
 #include "core/scene/area_lights.hpp"
 #include "core/scene/description.hpp"
 #include "core/scene/light_groups.hpp"
+#include "core/scene/nested_dielectrics.hpp"
 #include "core/scene/pose.hpp"
 #include "core/scene/scene_ids.hpp"
 
@@ -83,9 +84,11 @@ class Scene {
   // Whether it has a light or a medium that emits.
   bool gives_light() const;
 
-  // Whether no surface lets light pass through but by its model's transmission.
+  // Whether no surface lets light pass through but by its model's transmission. Nested dielectrics may.
   bool is_opaque() const { return is_opaque_; }
   const Material& material_of(const Hit& hit) const { return materials_[primitives_.material(hit)]; }
+  // Their boundaries stand behind the described materials.
+  const NestedDielectrics& nested_dielectrics() const { return nested_dielectrics_; }
   const SceneIds& ids() const { return ids_; }
   // The index of the area light at the hit, or kNoLight.
   std::uint32_t light_of(const Hit& hit) const { return light_map_.light_of(hit); }
@@ -128,6 +131,7 @@ class Scene {
   Bvh bvh_;
   std::vector<Texture> textures_;
   std::vector<Material> materials_;
+  NestedDielectrics nested_dielectrics_;
   bool is_opaque_ = true;
   std::shared_ptr<const std::vector<VoxelGrid>> grids_;
   std::vector<Medium> media_;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/geometry/placement.hpp"
+#include "core/scene/nested_dielectrics.hpp"
 #include "core/scene/tables/check.hpp"
 #include "core/scene/tables/material_tables.hpp"
 #include "core/scene/tables/medium_tables.hpp"
@@ -141,6 +142,7 @@ Status check_materials(const std::vector<Material>& materials, const SceneDescri
   std::vector<int> blend_depths;
   for (const Material& material : materials)
     if (auto ok = check_next(material, materials, scene, blend_depths); !ok) return ok;
+  if (auto mistake = find_priority_mistake(materials)) return invalid_part(*std::move(mistake));
   return {};
 }
 

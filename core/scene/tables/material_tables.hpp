@@ -71,6 +71,9 @@ inline constexpr auto kKeys<Glass> = std::tuple_cat(
             "reflection)"},
         Key{"roughness", &Glass::roughness, domains::kRoughness,
             "the roughness of the microfacets; 0 is smooth"},
+        Key{"priority", &Glass::priority, domains::kPriority,
+            "which of [dielectrics that overlap](#nested-dielectrics) fills their common space: that of the "
+            "highest priority. 0 is none"},
     },
     microfacet_keys(&Glass::microfacets));
 
@@ -146,6 +149,9 @@ inline constexpr auto kKeys<Principled> = std::tuple_cat(
             "the index of refraction of the film"},
         Key{"geometry_thin_walled", &Principled::geometry_thin_walled, domains::kTruth,
             "whether the surface is a sheet without volume; light passes unrefracted"},
+        Key{"priority", &Principled::priority, domains::kPriority,
+            "which of [dielectrics that overlap](#nested-dielectrics) fills their common space: that of the "
+            "highest priority. 0 is none. For clear solids only"},
         Key{"geometry_coat_normal", &Principled::geometry_coat_normal, domains::kNormalMap,
             "a normal map of the coat, as `normal_map`. The coat then has neither that nor `bump`",
             KeyTraits{.otherwise = "none"}},

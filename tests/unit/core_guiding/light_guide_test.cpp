@@ -5,7 +5,7 @@
 
 #include "core/math/lane_array.hpp"
 #include "core/math/octahedral_map.hpp"
-#include "core/math/simd_double8.hpp"
+#include "core/math/simd_double.hpp"
 #include "tests/unit/core_guiding/example_photons.hpp"
 
 namespace tessera::core {
@@ -124,7 +124,7 @@ TEST(LightGuide, AnswersEightPlacesAsItAnswersEach) {
     }
     const auto all = guide.at(places.all(), normals.all());
     const auto chosen =
-        guide.sample_or(all, Mask8::from_bits(i), Vec2Of<Float8>{u_x.all(), u_y.all()}, wis.all());
+        guide.sample_or(all, MaskN::from_bits(i), Vec2Of<FloatN>{u_x.all(), u_y.all()}, wis.all());
     const FloatLanes share(all.share), pdf(chosen.pdf);
     const Vec3Lanes direction(chosen.direction);
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {

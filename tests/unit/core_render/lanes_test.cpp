@@ -10,16 +10,20 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/ray_lanes.hpp"
 #include "core/integrators/fingerprint.hpp"
+#include "core/integrators/shading_bins.hpp"
 #include "core/integrators/vertex_batch.hpp"
 #include "core/sampling/warp.hpp"
 
 namespace tessera::core {
 namespace {
 
-bool has(Mask8 mask, std::size_t lane) {
+bool has(MaskN mask, std::size_t lane) {
   return (mask.bits() >> lane & 1) != 0;
+}
+
+Ray in_lane(const RayOf<FloatN>& rays, std::size_t lane) {
+  return {Vec3Lanes(rays.origin)[lane], Vec3Lanes(rays.direction)[lane], FloatLanes(rays.t_max)[lane]};
 }
 
 void expect_equal(const Ray& a, const Ray& b) {
@@ -42,9 +46,9 @@ bool is_of(const Material& material) {
   return kernel_of(material) == kKernel;
 }
 
-class EightLanes : public testing::Test {
+class VertexLanes : public testing::Test {
  protected:
-  explicit EightLanes(const SceneDescription& scene = fingerprint_scene())
+  explicit VertexLanes(const SceneDescription& scene = fingerprint_scene())
       : scene_(Scene::build(scene, 1).value()) {}
 
   float random() { return std::uniform_real_distribution<float>(0, 1)(generator_); }
@@ -54,17 +58,6 @@ class EightLanes : public testing::Test {
   struct Observations {
     std::array<Ray, kLaneCount> rays;
     std::array<Hit, kLaneCount> hits;
-
-    std::array<const Ray*, kLaneCount> ray_pointers() const { return pointers(rays); }
-    std::array<const Hit*, kLaneCount> hit_pointers() const { return pointers(hits); }
-
-   private:
-    template <typename T>
-    static std::array<const T*, kLaneCount> pointers(const std::array<T, kLaneCount>& of) {
-      std::array<const T*, kLaneCount> all;
-      for (std::size_t lane = 0; lane < kLaneCount; ++lane) all[lane] = &of[lane];
-      return all;
-    }
   };
   // Only those that `wanted` accepts.
   template <typename Wanted>
@@ -86,12 +79,16 @@ class EightLanes : public testing::Test {
   // Compares the vertices that vertices_of() makes of a batch with those that each ray makes alone.
   template <typename VerticesOf>
   void compare_batch(const Observations& observations, bool plain_triangles, const VerticesOf& vertices_of) {
-    const RayPointers rays = observations.ray_pointers();
-    const HitPointers hits = observations.hit_pointers();
+    const Columns<Ray> rays{std::span<const Ray>(observations.rays)};
+    const Columns<Hit> hits{std::span<const Hit>(observations.hits)};
+    WordLanes rows;
+    for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) rows.set(lane, lane);
     SurfaceBatch::Materials materials;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-      materials[lane] = &scatterer(*rays[lane], *hits[lane]);
-    compare(observations, vertices_of(SurfaceBatch(scene_, rays, hits, materials, plain_triangles)));
+      materials[lane] = &scatterer(observations.rays[lane], observations.hits[lane]);
+    const HitRows of_hits(hits.all(), rows);
+    compare(observations,
+            vertices_of(SurfaceBatch(scene_, {rays.all(), rows}, of_hits, materials, plain_triangles)));
   }
 
   // Compares vertices with those that each ray makes alone, and counts how often what is found.
@@ -107,7 +104,7 @@ class EightLanes : public testing::Test {
 
   template <typename Vertices>
   void compare_surfaces(const std::vector<PathVertex>& alone, const Vertices& together) {
-    const SurfacePointOf<Float8>& surface = together.surface();
+    const SurfacePointOf<FloatN>& surface = together.surface();
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       const SurfacePoint& point = alone[lane].surface();
       ASSERT_EQ(Vec3Lanes(surface.position)[lane], point.position);
@@ -128,7 +125,7 @@ class EightLanes : public testing::Test {
     for (std::size_t lane = 0; lane < kLaneCount; ++lane)
       u_x.set(lane, random()), u_y.set(lane, random()), u_lobe.set(lane, random());
     const auto samples = together.sample({u_x.all(), u_y.all()}, u_lobe.all());
-    const BsdfValueOf<Float8> values = together.evaluate(samples.wi);
+    const BsdfValueOf<FloatN> values = together.evaluate(samples.wi);
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       const auto sample = alone[lane].sample({u_x[lane], u_y[lane]}, u_lobe[lane]);
       ASSERT_EQ(has(samples.found, lane), sample.has_value());
@@ -138,7 +135,7 @@ class EightLanes : public testing::Test {
       ASSERT_EQ(RgbLanes(samples.weight)[lane], sample->weight);
       ASSERT_EQ(has(samples.delta, lane), sample->delta);
       ASSERT_EQ(FloatLanes(samples.eta)[lane], sample->eta);
-      expect_equal(RayLanes(together.ray_along(samples.wi))[lane], alone[lane].ray_along(sample->wi));
+      expect_equal(in_lane(together.ray_along(samples.wi), lane), alone[lane].ray_along(sample->wi));
       if (sample->delta) continue;
       ASSERT_EQ(FloatLanes(samples.pdf)[lane], sample->pdf);
       const BsdfValue value = alone[lane].evaluate(sample->wi);
@@ -157,7 +154,7 @@ class EightLanes : public testing::Test {
     }
     const LightSamples samples = sample_lights(
         lights, scene_.textures(), {together.position(), together.light_normal()}, {u_x.all(), u_y.all()});
-    const RayLanes rays(together.rays_toward(samples));
+    const RayOf<FloatN> rays = together.rays_toward(samples);
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       const auto sample = lights[lane] ? sample_light(*lights[lane], scene_.textures(),
                                                       alone[lane].light_context(), {u_x[lane], u_y[lane]})
@@ -169,7 +166,7 @@ class EightLanes : public testing::Test {
       ASSERT_EQ(RgbLanes(samples.radiance)[lane], sample->radiance);
       ASSERT_EQ(FloatLanes(samples.pdf)[lane], sample->pdf);
       ASSERT_EQ(has(samples.delta, lane), sample->delta);
-      expect_equal(rays[lane], alone[lane].ray_toward(*sample));
+      expect_equal(in_lane(rays, lane), alone[lane].ray_toward(*sample));
     }
   }
 
@@ -188,28 +185,26 @@ class EightLanes : public testing::Test {
     EXPECT_GT(samples_found_, 5000);
     EXPECT_GT(lights_found_, 4000);
   }
-  // By the kernel of any materials, and by the kernels of each.
+  // At surfaces of all materials.
   void compare_all() {
+    const MaterialBins bins = material_bins(scene_);
     const auto any = [](const Ray&, const Hit&) { return true; };
-    for (int i = 0; i < 1000 && !HasFatalFailure(); ++i) {
-      compare_batch(look(any), false,
-                    [](const SurfaceBatch& batch) { return mixed_vertices(batch, kLaneCount); });
+    for (int i = 0; i < 2000 && !HasFatalFailure(); ++i) {
       const Observations some = look(any);
-      compare_by_kernel(scatterer(some.rays[0], some.hits[0]));
+      compare_bin(bins, bin_of(bins, some.rays[0], some.hits[0]));
     }
     EXPECT_GT(samples_found_, 12000);
     EXPECT_GT(lights_found_, 8000);
   }
-  // At surfaces that are shaded together with those of `material`.
-  void compare_by_kernel(const Material& material) {
-    const Kernel kernel = kernel_of(material);
-    const auto wanted = [&](const Ray& ray, const Hit& hit) {
-      const Material& other = scatterer(ray, hit);
-      return kernel_of(other) == kernel &&
-             (kernel != Kernel::kLayered || other.model.index() == material.model.index());
-    };
-    const Observations observations = look(wanted);
-    switch (kernel) {
+  std::uint32_t bin_of(const MaterialBins& bins, const Ray& ray, const Hit& hit) const {
+    const Material& material = scatterer(ray, hit);
+    return bins.of_materials[static_cast<std::size_t>(&material - scene_.materials().data())].bin;
+  }
+  // At surfaces that are shaded together.
+  void compare_bin(const MaterialBins& bins, std::uint32_t bin) {
+    const Observations observations =
+        look([&](const Ray& ray, const Hit& hit) { return bin_of(bins, ray, hit) == bin; });
+    switch (bins.kernels[bin]) {
       case Kernel::kDiffuse:
         return compare_batch(observations, false, diffuse_vertices);
       case Kernel::kGlossy:
@@ -220,8 +215,8 @@ class EightLanes : public testing::Test {
         return compare_batch(observations, false, specular_vertices);
       case Kernel::kLayered:
         return compare_batch(observations, false, layered_vertices);
-      case Kernel::kMixed:
-        return;
+      case Kernel::kGeneral:
+        return compare_batch(observations, false, general_vertices);
     }
   }
 
@@ -230,11 +225,11 @@ class EightLanes : public testing::Test {
   int samples_found_ = 0, lights_found_ = 0;
 };
 
-TEST_F(EightLanes, OfDiffuseTriangles) {
+TEST_F(VertexLanes, OfDiffuseTriangles) {
   compare_diffuse();
 }
 
-TEST_F(EightLanes, OfGlossyTriangles) {
+TEST_F(VertexLanes, OfGlossyTriangles) {
   compare_glossy();
 }
 
@@ -257,7 +252,7 @@ std::vector<std::shared_ptr<const TextureImage>> images_of_every_format() {
           std::make_shared<TextureImage>(kWidth, kHeight, odd)};
 }
 
-TEST_F(EightLanes, OfTextures) {
+TEST_F(VertexLanes, OfTextures) {
   const auto images = images_of_every_format();
   for (int i = 0; i < 2000; ++i) {
     std::array<Texture, kLaneCount> textures;
@@ -280,8 +275,8 @@ TEST_F(EightLanes, OfTextures) {
       second_u.set(lane, random());
       second_v.set(lane, random());
     }
-    using Uv = Vec2Of<Float8>;
-    const UvSetsOf<Float8> uv(Uv{u.all(), v.all()}, Uv{second_u.all(), second_v.all()});
+    using Uv = Vec2Of<FloatN>;
+    const UvSetsOf<FloatN> uv(Uv{u.all(), v.all()}, Uv{second_u.all(), second_v.all()});
     const RgbLanes together(Texture::evaluate(pointers, uv));
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       const UvSets of_lane({u[lane], v[lane]}, {second_u[lane], second_v[lane]});
@@ -290,7 +285,7 @@ TEST_F(EightLanes, OfTextures) {
   }
 }
 
-TEST_F(EightLanes, OfSurroundings) {
+TEST_F(VertexLanes, OfSurroundings) {
   auto images = images_of_every_format();
   images.push_back(nullptr);
   for (const auto& image : images) {
@@ -305,7 +300,7 @@ TEST_F(EightLanes, OfSurroundings) {
       }
       const auto compensation = i % 2 == 0 ? MisCompensation::kOff : MisCompensation::kOn;
       const LightSamples samples =
-          environment.sample(normals.all(), Vec2Of<Float8>{u_x.all(), u_y.all()}, compensation);
+          environment.sample(normals.all(), Vec2Of<FloatN>{u_x.all(), u_y.all()}, compensation);
       const auto [radiance, pdf] = environment.see(normals.all(), directions.all(), compensation);
       for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
         ASSERT_EQ(RgbLanes(radiance)[lane], environment.radiance(directions[lane]));
@@ -321,7 +316,7 @@ TEST_F(EightLanes, OfSurroundings) {
   }
 }
 
-TEST_F(EightLanes, OfAllMaterialsAndShapes) {
+TEST_F(VertexLanes, OfAllMaterialsAndShapes) {
   compare_all();
 }
 
@@ -344,20 +339,20 @@ SceneDescription with_vertex_colors_and_opacity() {
   return scene;
 }
 
-class EightColoredLanes : public EightLanes {
+class ColoredLanes : public VertexLanes {
  protected:
-  EightColoredLanes() : EightLanes(with_vertex_colors_and_opacity()) {}
+  ColoredLanes() : VertexLanes(with_vertex_colors_and_opacity()) {}
 };
 
-TEST_F(EightColoredLanes, OfDiffuseTriangles) {
+TEST_F(ColoredLanes, OfDiffuseTriangles) {
   compare_diffuse();
 }
 
-TEST_F(EightColoredLanes, OfGlossyTriangles) {
+TEST_F(ColoredLanes, OfGlossyTriangles) {
   compare_glossy();
 }
 
-TEST_F(EightColoredLanes, OfAllMaterialsAndShapes) {
+TEST_F(ColoredLanes, OfAllMaterialsAndShapes) {
   compare_all();
 }
 
@@ -400,12 +395,99 @@ SceneDescription with_layers() {
   return scene;
 }
 
-class EightLayeredLanes : public EightLanes {
+class LayeredLanes : public VertexLanes {
  protected:
-  EightLayeredLanes() : EightLanes(with_layers()) {}
+  LayeredLanes() : VertexLanes(with_layers()) {}
 };
 
-TEST_F(EightLayeredLanes, OfAllMaterialsAndShapes) {
+TEST_F(LayeredLanes, OfAllMaterialsAndShapes) {
+  compare_all();
+}
+
+constexpr MicrofacetKind kBeckmann{MicrofacetDistribution::kBeckmann, SmithMasking::kCorrelated};
+constexpr MicrofacetKind kSeparable{MicrofacetDistribution::kGgx, SmithMasking::kSeparable};
+
+// The same scene with models that have no kernel of their own; those of a bin differ in their parameters.
+SceneDescription with_rare_models() {
+  SceneDescription scene = fingerprint_scene();
+  for (Material& material : scene.materials) {
+    if (material.name == "cloth") material.model = Hair{.eumelanin = {3, 0}, .beta_n = {0.9f, 0}};
+    if (material.name == "wall")
+      material.model = Hair{.pigment = HairPigment::kReflectance, .reflectance = {{0.8f, 0.5f, 0.3f}}};
+    if (material.name == "leaf")
+      material.model =
+          Hair{.pigment = HairPigment::kAbsorption, .sigma_a = {{0.1f, 0.3f, 0.9f}}, .tilt_degrees = 5};
+    if (material.name == "glass")
+      material.model = Glass{.ior = 1.3f, .roughness = {0.9f, 0}, .microfacets = kBeckmann};
+    if (material.name == "frosted") material.model = Glass{.roughness = 0.5f, .microfacets = kBeckmann};
+    if (material.name == "varnish")
+      material.model = Plastic{.roughness = {0.8f, 0}, .microfacets = kBeckmann, .compensated = false};
+    if (material.name == "lacquer") material.model = Plastic{.microfacets = kBeckmann};
+    if (material.name == "mirror")
+      material.model =
+          ConductorMaterial{.roughness = {0.8f, 0}, .anisotropy = 0.5f, .microfacets = kSeparable};
+    if (material.name == "gold") material.model = ConductorMaterial{.microfacets = kSeparable};
+    if (material.name == "tiles")
+      material.model = Disney{.base_color = {{0.9f, 0.5f, 0.2f}},
+                              .metallic = {0.5f, 0},
+                              .anisotropic = 0.5f,
+                              .specular_tint = 0.4f,
+                              .specular_transmission = {0.7f, 0},
+                              .flatness = 0.3f,
+                              .sheen = 0.5f,
+                              .clearcoat = {1, 0},
+                              .tangent = {{}, 0.3f}};
+    if (material.name == "copper") {
+      material.sampling = Sampling::kBsdf;  // only cook_torrance has half-vectors
+      material.model = Disney{.specular_transmission = 0.5f,
+                              .sheen = 0.5f,
+                              .sheen_tint = 0.5f,
+                              .diffuse_transmission = {0.5f, 0},
+                              .thin_walled = true};
+    }
+  }
+  return scene;
+}
+
+class RareLanes : public VertexLanes {
+ protected:
+  RareLanes() : VertexLanes(with_rare_models()) {}
+};
+
+TEST_F(RareLanes, OfAllMaterialsAndShapes) {
+  compare_all();
+}
+
+// The same scenes, with directions sampled uniformly.
+SceneDescription sampled_uniformly(SceneDescription scene) {
+  for (Material& material : scene.materials) material.sampling = Sampling::kUniform;
+  return scene;
+}
+
+class UniformLanes : public VertexLanes {
+ protected:
+  UniformLanes() : VertexLanes(sampled_uniformly(fingerprint_scene())) {}
+};
+
+TEST_F(UniformLanes, OfAllMaterialsAndShapes) {
+  compare_all();
+}
+
+class UniformLayeredLanes : public VertexLanes {
+ protected:
+  UniformLayeredLanes() : VertexLanes(sampled_uniformly(with_layers())) {}
+};
+
+TEST_F(UniformLayeredLanes, OfAllMaterialsAndShapes) {
+  compare_all();
+}
+
+class UniformRareLanes : public VertexLanes {
+ protected:
+  UniformRareLanes() : VertexLanes(sampled_uniformly(with_rare_models())) {}
+};
+
+TEST_F(UniformRareLanes, OfAllMaterialsAndShapes) {
   compare_all();
 }
 
@@ -441,9 +523,9 @@ SceneDescription with_instances() {
   return scene;
 }
 
-class InstancedLanes : public EightLanes {
+class InstancedLanes : public VertexLanes {
  protected:
-  InstancedLanes() : EightLanes(with_instances()) {}
+  InstancedLanes() : VertexLanes(with_instances()) {}
 };
 
 TEST_F(InstancedLanes, OfAllMaterialsAndShapes) {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/math/lane_array.hpp"
-#include "core/math/simd_double8.hpp"
+#include "core/math/simd_double.hpp"
 
 namespace tessera::core {
 namespace {

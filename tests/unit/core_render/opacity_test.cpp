@@ -282,14 +282,14 @@ TEST(Transmittance, IsTheProductOfWhatEachSurfaceLetsThrough) {
   const Scene scene = maker.build();
   const auto share = [&](float length) {
     std::uint64_t traced = 0;
-    return transmittance(scene, {{0, 0, 0}, {0, 0, length}, 1}, traced);
+    return transmittance(scene, {{0, 0, 0}, {0, 0, length}, 1}, {}, traced);
   };
   EXPECT_EQ(share(0.9f), Rgb::gray(1));
   EXPECT_EQ(share(1.5f), Rgb::gray(0.5f));
   EXPECT_EQ(share(3), Rgb::gray(0.375f));
   EXPECT_EQ(share(5), Rgb{});
   std::uint64_t traced = 0;
-  EXPECT_EQ(transmittance(scene, {{0.1f, 0, 3}, {0, 0, -2}}, traced), Rgb::gray(0.375f));
+  EXPECT_EQ(transmittance(scene, {{0.1f, 0, 3}, {0, 0, -2}}, {}, traced), Rgb::gray(0.375f));
 }
 
 // A floor under a pane sees the lamps through it: at once, so that no depth is needed, and with every

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/nested_dielectrics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <variant>
+
+namespace tessera::core {
+
+void Enclosing::add(std::uint8_t rank) {
+  const auto end = ranks_.begin() + count_;
+  const auto at = std::upper_bound(ranks_.begin(), end, rank);
+  if (at == ranks_.end()) return;
+  const auto last = count_ < kMaxCount ? end : end - 1;
+  std::copy_backward(at, last, last + 1);
+  *at = rank;
+  count_ = static_cast<std::uint8_t>(std::min<std::size_t>(count_ + 1u, kMaxCount));
+}
+
+void Enclosing::remove(std::uint8_t rank) {
+  const auto end = ranks_.begin() + count_;
+  const auto at = std::find(ranks_.begin(), end, rank);
+  if (at == end) return;
+  std::copy(at + 1, end, at);
+  ranks_[--count_] = 0;
+}
+
+namespace {
+
+// The index of refraction of a model with a priority.
+template <typename Model>
+auto* index_in(Model& model) {
+  if (auto* glass = std::get_if<Glass>(&model)) return &glass->ior;
+  return &std::get_if<Principled>(&model)->specular_ior;
+}
+
+void drop_priority(MaterialModel& model) {
+  if (auto* glass = std::get_if<Glass>(&model)) glass->priority = 0;
+  if (auto* solid = std::get_if<Principled>(&model)) solid->priority = 0;
+}
+
+// The surface of `material` where `around` is outside.
+Material boundary_in(Material material, const Material& around) {
+  const float ratio = index_in(material.model)->value / index_in(around.model)->value;
+  index_in(material.model)->value = std::clamp(ratio, kMinRelativeIor, kMaxIor);
+  material.media.exterior = around.media.interior;
+  return material;
+}
+
+}  // namespace
+
+NestedDielectrics::NestedDielectrics(std::vector<Material>& materials) {
+  std::vector<std::uint32_t> nested;
+  for (std::uint32_t i = 0; i < materials.size(); ++i)
+    if (priority_of(materials[i].model) > 0) nested.push_back(i);
+  if (nested.empty()) return;
+  assert(nested.size() <= kMaxNestedDielectrics);
+  std::ranges::stable_sort(nested, std::ranges::greater(),
+                           [&](std::uint32_t i) { return priority_of(materials[i].model); });
+  ranks_.assign(materials.size(), kNone);
+  for (std::size_t rank = 0; rank < nested.size(); ++rank) {
+    ranks_[nested[rank]] = static_cast<std::uint8_t>(rank);
+    boundaries_.push_back(static_cast<std::uint32_t>(materials.size()));
+    Material alone = materials[nested[rank]];
+    drop_priority(alone.model);
+    materials.push_back(alone);
+    for (std::size_t around = rank + 1; around < nested.size(); ++around)
+      materials.push_back(boundary_in(alone, materials[nested[around]]));
+  }
+}
+
+Enclosing NestedDielectrics::outside_of(std::uint32_t material, Enclosing inside) const {
+  inside.remove(rank_of(material));
+  return inside;
+}
+
+Enclosing NestedDielectrics::inside_of(std::uint32_t material, Enclosing outside) const {
+  outside.add(rank_of(material));
+  return outside;
+}
+
+std::optional<std::uint32_t> NestedDielectrics::boundary(std::uint32_t material,
+                                                         const Enclosing& outside) const {
+  const std::uint8_t rank = rank_of(material);
+  if (outside.empty()) return boundaries_[rank];
+  if (outside.first() <= rank) return std::nullopt;
+  return boundaries_[rank] + (outside.first() - rank);
+}
+
+float priority_of(const MaterialModel& model) {
+  if (const auto* glass = std::get_if<Glass>(&model)) return glass->priority;
+  const auto* solid = std::get_if<Principled>(&model);
+  return solid != nullptr && transmits_light(model) && !solid->geometry_thin_walled ? solid->priority : 0;
+}
+
+std::optional<std::string> find_priority_mistake(const std::vector<Material>& materials) {
+  std::size_t count = 0;
+  for (const Material& material : materials) {
+    const auto has_priority = [&](std::uint32_t part) { return priority_of(materials[part].model) > 0; };
+    if (const auto* blend = std::get_if<Blend>(&material.model))
+      if (has_priority(blend->first) || has_priority(blend->second))
+        return fmt::format("material '{}': the materials of a blend cannot have a priority", material.name);
+    if (!(priority_of(material.model) > 0)) continue;
+    if (index_in(material.model)->texture >= 0)
+      return fmt::format("material '{}': with a priority, the index of refraction cannot be a texture",
+                         material.name);
+    if (!is_black(material.emission.value))
+      return fmt::format("material '{}': what emits light cannot have a priority", material.name);
+    if (++count > kMaxNestedDielectrics)
+      return fmt::format("material '{}': at most {} materials can have a priority", material.name,
+                         kMaxNestedDielectrics);
+  }
+  return std::nullopt;
+}
+
+}  // namespace tessera::core
