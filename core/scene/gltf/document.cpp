@@ -15,7 +15,7 @@
 namespace tessera::core::gltf {
 namespace {
 
-constexpr std::array<std::string_view, 24> kKnownExtensions{
+constexpr std::array<std::string_view, 27> kKnownExtensions{
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -23,9 +23,12 @@ constexpr std::array<std::string_view, 24> kKnownExtensions{
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
+    "KHR_materials_coat",               // a draft
+    "KHR_materials_diffuse_roughness",  // a draft
     "KHR_materials_diffuse_transmission",
     "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
+    "KHR_materials_fuzz",  // a draft
     "KHR_materials_ior",
     "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness",

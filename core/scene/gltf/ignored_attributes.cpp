@@ -27,7 +27,8 @@ std::vector<Value> textures_of(const Value& material) {
 
 bool follows_tangents(const Value& material) {
   return material["normalTexture"].exists() || material.extension("KHR_materials_anisotropy").exists() ||
-         material.extension("KHR_materials_clearcoat")["clearcoatNormalTexture"].exists();
+         material.extension("KHR_materials_clearcoat")["clearcoatNormalTexture"].exists() ||
+         material.extension("KHR_materials_coat").exists();
 }
 
 // Why the attribute is ignored; empty if it is not, or if nobody misses it.

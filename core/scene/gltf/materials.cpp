@@ -38,25 +38,21 @@ BaseKeys base_keys(const Value& material) {
   return {material["pbrMetallicRoughness"], "baseColorFactor", "baseColorTexture"};
 }
 
-// Parameters of OpenPBR.
-struct Anisotropic {
-  float ratio = 0, roughness = 0;
-};
+}  // namespace
 
 // glTF gives the roughness along the direction as mix(alpha, 1, strength^2), and alpha across it; OpenPBR
 // 1.1 (section "Microfacet model") the ratio 1 - anisotropy of both, at a mean square that stays.
-Anisotropic anisotropic(float alpha, float strength) {
-  const float along = alpha + (1 - alpha) * strength * strength, ratio = alpha / along;
+Materials::Anisotropic Materials::anisotropic(float alpha, float strength) {
+  constexpr float kLeast = 1e-3f;
+  const float across = std::max(alpha, kLeast);
+  const float along = across + (1 - across) * strength * strength, ratio = across / along;
   return {1 - ratio, std::min(std::sqrt(along / std::sqrt(2 / (1 + ratio * ratio))), 1.0f)};
 }
 
-// Of an angle in radians, in [-1/2, 1/2].
-float turns_of(float radians) {
+float Materials::turns_of(float radians) {
   const double turns = double{radians} / (2 * double{kPi});
   return static_cast<float>(turns - std::round(turns));
 }
-
-}  // namespace
 
 Materials::Use Materials::use(const Value& index) {
   const Value material =
@@ -207,8 +203,11 @@ Principled Materials::principled(const Value& material) {
   add_specular(material.extension("KHR_materials_specular"), model);
   add_transmission(material, model);
   add_anisotropy(material.extension("KHR_materials_anisotropy"), model);
+  add_diffuse_roughness(material.extension("KHR_materials_diffuse_roughness"), model);
   add_coat(material, model);
+  add_openpbr_coat(material, model);
   add_sheen(material.extension("KHR_materials_sheen"), model);
+  add_fuzz(material.extension("KHR_materials_fuzz"), model);
   add_iridescence(material.extension("KHR_materials_iridescence"), model);
   return model;
 }
@@ -274,7 +273,7 @@ void Materials::add_anisotropy(const Value& extension, Principled& model) {
   const float strength =
       within(extension, "anisotropyStrength", extension.number_or("anisotropyStrength", 0), 0, 1);
   if (!(strength > 0)) return;
-  const float alpha = std::max(model.specular_roughness.value * model.specular_roughness.value, 1e-3f);
+  const float alpha = model.specular_roughness.value * model.specular_roughness.value;
   const Value info = extension["anisotropyTexture"];
   if (model.specular_roughness.texture >= 0) {
     document_.warn(extension, "anisotropy strength",
@@ -299,7 +298,6 @@ void Materials::add_anisotropy(const Value& extension, Principled& model) {
   model.tangent.rotation = turns_of(extension.number_or("anisotropyRotation", 0));
 }
 
-// A coat without a normal map of its own is flat, whatever that of the base.
 void Materials::add_coat(const Value& material, Principled& model) {
   const Value extension = material.extension("KHR_materials_clearcoat");
   if (!(extension.number_or("clearcoatFactor", 0) > 0)) return;
@@ -310,7 +308,12 @@ void Materials::add_coat(const Value& material, Principled& model) {
             textures_.data(extension["clearcoatRoughnessTexture"], TextureChannel::kGreen));
   model.coat_ior = 1.5f;
   model.coat_darkening = 0;
-  model.geometry_coat_normal = normal_map(extension["clearcoatNormalTexture"]);
+  set_coat_normal(material, extension["clearcoatNormalTexture"], model);
+}
+
+// A coat without a normal map of its own is flat, whatever that of the base.
+void Materials::set_coat_normal(const Value& material, const Value& info, Principled& model) {
+  model.geometry_coat_normal = normal_map(info);
   if (model.geometry_coat_normal.texture >= 0) return;
   model.geometry_coat_normal = normal_map(material["normalTexture"]);
   model.geometry_coat_normal.strength = model.geometry_coat_normal.texture < 0 ? 1.0f : 0.0f;

@@ -36,6 +36,15 @@ class Materials {
   std::uint32_t tinted(const Use& use, const VertexTint& tint);
 
  private:
+  // Parameters of OpenPBR.
+  struct Anisotropic {
+    float ratio = 0, roughness = 0;
+  };
+  // Of the strength of glTF, from 0 to 1, and the roughness across the highlight.
+  static Anisotropic anisotropic(float alpha, float strength);
+  // Of an angle in radians, in [-1/2, 1/2].
+  static float turns_of(float radians);
+
   Use convert(const Value& material);
   Material surface(const Value& material);
   Principled principled(const Value& material);
@@ -46,6 +55,10 @@ class Materials {
   void add_transmission(const Value& material, Principled& model);
   void add_anisotropy(const Value& extension, Principled& model);
   void add_coat(const Value& material, Principled& model);
+  void set_coat_normal(const Value& material, const Value& info, Principled& model);
+  void add_diffuse_roughness(const Value& extension, Principled& model);
+  void add_openpbr_coat(const Value& material, Principled& model);
+  void add_fuzz(const Value& extension, Principled& model);
   void add_sheen(const Value& extension, Principled& model);
   void add_iridescence(const Value& extension, Principled& model);
   NormalMap normal_map(const Value& info);

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "core/math/elementary.hpp"
+#include "core/math/motion.hpp"
+#include "core/scene/import/keyed_transforms.hpp"
 #include "core/scene/mitsuba/sensor.hpp"
 
 namespace tessera::core::mitsuba {
@@ -48,6 +50,11 @@ bool has_area(const ProjectedImage& image) {
   return length_squared(image.right) > 0 && length_squared(image.up) > 0;
 }
 
+void aim(SpotLightDescription& light, const Transform& to_world) {
+  light.position = to_world.origin;
+  light.look_at = to_world.origin + normalize(to_world.z_axis);
+}
+
 bool has_finite_axes(const Transform& t) {
   return core::is_finite(t.x_axis) && core::is_finite(t.y_axis) && core::is_finite(t.z_axis);
 }
@@ -76,21 +83,52 @@ Rgb EmitterConverter::color(const Plugin& emitter, std::string_view name) {
   return found.value * textures[static_cast<std::size_t>(found.texture)].image->mean();
 }
 
+std::vector<Transform> EmitterConverter::placements(const Plugin& emitter) {
+  const auto* keys = emitter.animation("to_world");
+  if (keys == nullptr || keys->size() < 2) return {emitter.transform("to_world")};
+  const auto motion = motion_through(conversion_.in_frames(*keys));
+  if (!motion || !motion->is_exact) return {emitter.transform("to_world")};
+  constexpr int kPlaces = 32;
+  const float frames = conversion_.shutter_frames;
+  if (frames == 0) return {transform_at(motion->steps, 0)};
+  emitter.warn(fmt::format("moves; {} lights along its way replace it", kPlaces));
+  std::vector<Transform> places;
+  for (int i = 0; i < kPlaces; ++i)
+    places.push_back(transform_at(motion->steps, (static_cast<float>(i) + 0.5f) / kPlaces * frames));
+  return places;
+}
+
+template <typename Light, typename Place>
+void EmitterConverter::add_placed(const Plugin& emitter, const Light& light, const Place& place) {
+  const std::vector<Transform> places = placements(emitter);
+  for (const Transform& to_world : places) {
+    Light placed = light;
+    placed.intensity *= 1 / static_cast<float>(places.size());
+    place(placed, to_world);
+    if constexpr (requires { placed.image; })
+      if (!has_area(placed.image)) return emitter.warn(kFlat);
+    conversion_.builder.add_light(std::move(placed), emitter.place());
+  }
+}
+
 void EmitterConverter::add_point(const Plugin& emitter) {
+  const auto position = emitter.vector("position");
   PointLightDescription light;
-  light.position = emitter.vector("position").value_or(emitter.transform("to_world").origin);
   light.intensity = color(emitter, "intensity");
-  conversion_.builder.add_light(light, emitter.place());
+  if (position) {  // whatever its to_world
+    light.position = *position;
+    return conversion_.builder.add_light(light, emitter.place());
+  }
+  add_placed(emitter, light, [](PointLightDescription& placed, const Transform& to_world) {
+    placed.position = to_world.origin;
+  });
 }
 
 void EmitterConverter::add_spot(const Plugin& emitter) {
-  const Transform to_world = emitter.transform("to_world");
   constexpr float kWidest = 90, kNarrowest = 0.01f;  // half angles, in degrees
   const float cutoff = emitter.real_in("cutoff_angle", 20, kNarrowest, kWidest);
   const float beam = emitter.real_in("beam_width", cutoff * 0.75f, 0, cutoff);
   SpotLightDescription light;
-  light.position = to_world.origin;
-  light.look_at = to_world.origin + normalize(to_world.z_axis);
   light.intensity = color(emitter, "intensity");
   light.angle_degrees = 2 * cutoff;
   light.softness = (cutoff - beam) / cutoff;
@@ -98,19 +136,18 @@ void EmitterConverter::add_spot(const Plugin& emitter) {
   const ColorParameter image =
       textures_.color(emitter, "texture", Rgb::gray(1), {}, std::numeric_limits<float>::max());
   light.intensity *= image.value;
-  if (image.texture >= 0) {
-    const float half_width = tangent_of_degrees(std::min(cutoff, kWidestImage));
-    light.image = {image.texture, normalize(to_world.x_axis) * half_width,
-                   normalize(to_world.y_axis) * half_width, false};
-  }
-  if (!has_area(light.image)) return emitter.warn(kFlat);
-  conversion_.builder.add_light(light, emitter.place());
+  const float half_width = tangent_of_degrees(std::min(cutoff, kWidestImage));
+  add_placed(emitter, light, [&](SpotLightDescription& placed, const Transform& to_world) {
+    aim(placed, to_world);
+    if (image.texture >= 0)
+      placed.image = {image.texture, normalize(to_world.x_axis) * half_width,
+                      normalize(to_world.y_axis) * half_width, false};
+  });
 }
 
 // The image is mirrored, as that of a camera. Its texels are irradiances of a plane at a distance of 1, over
 // pi.
 void EmitterConverter::add_projector(const Plugin& emitter) {
-  const Transform to_world = emitter.transform("to_world");
   const ColorParameter irradiance =
       textures_.color(emitter, "irradiance", Rgb::gray(1), {}, std::numeric_limits<float>::max());
   int texture = irradiance.texture;
@@ -125,14 +162,14 @@ void EmitterConverter::add_projector(const Plugin& emitter) {
   constexpr float kMargin = 1.0001f;
   const float half_angle = atan2(std::sqrt(across * across + upward * upward), 1.0f) * (180 / kPi);
   SpotLightDescription light;
-  light.position = to_world.origin;
-  light.look_at = to_world.origin + normalize(to_world.z_axis);
   light.intensity = irradiance.value * (kPi * emitter.real_in("scale", 1, 0, kMaxScale));
   light.angle_degrees = std::min(2 * half_angle * kMargin, 180.0f);
   light.softness = 0;
-  light.image = {texture, normalize(to_world.x_axis) * -across, normalize(to_world.y_axis) * -upward, true};
-  if (!has_area(light.image)) return emitter.warn(kFlat);
-  conversion_.builder.add_light(light, emitter.place());
+  add_placed(emitter, light, [&](SpotLightDescription& placed, const Transform& to_world) {
+    aim(placed, to_world);
+    placed.image = {texture, normalize(to_world.x_axis) * -across, normalize(to_world.y_axis) * -upward,
+                    true};
+  });
 }
 
 void EmitterConverter::add_directional(const Plugin& emitter) {

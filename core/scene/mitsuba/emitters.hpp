@@ -17,6 +17,11 @@ class EmitterConverter {
 
  private:
   Rgb color(const Plugin& emitter, std::string_view name);
+  // Where the light is while the shutter is open: equally long in each place.
+  std::vector<Transform> placements(const Plugin& emitter);
+  // Adds the light, with its share of the intensity, wherever place(light, to_world) puts it.
+  template <typename Light, typename Place>
+  void add_placed(const Plugin& emitter, const Light& light, const Place& place);
   void add_point(const Plugin& emitter);
   void add_spot(const Plugin& emitter);
   void add_projector(const Plugin& emitter);

@@ -73,22 +73,27 @@ Rgb clamped_to_unit(Rgb c) {
 }  // namespace
 
 MediumInterface MediumConverter::interface_of(const Plugin& shape) {
-  const auto side = [&](std::string_view name) {
+  const auto side = [&](std::string_view name, const std::optional<Plugin>& light) {
     const auto found = shape.child(name);
-    return found && found->kind() == Kind::kMedium ? medium(*found) : kNoMedium;
+    return found && found->kind() == Kind::kMedium ? medium(*found, light) : kNoMedium;
   };
-  return {side("interior"), side("exterior")};
+  const auto light = volume_light_of(shape);
+  const MediumInterface media{side("interior", light), side("exterior", std::nullopt)};
+  if (light && media.interior == kNoMedium) light->warn("needs a medium inside of its shape; it is left out");
+  return media;
 }
 
-int MediumConverter::medium(const Plugin& plugin) {
-  if (const auto known = media_.find(plugin.id()); known != media_.end()) return known->second;
+int MediumConverter::medium(const Plugin& plugin, const std::optional<Plugin>& light) {
+  const std::pair key(plugin.id(), light ? light->id() : plugin.id());
+  if (const auto known = media_.find(key); known != media_.end()) return known->second;
   auto& media = conversion_.builder.scene().media;
   int index = kNoMedium;
   if (auto made = convert(plugin)) {
+    if (light) add_emission(*light, *made);
     index = static_cast<int>(media.size());
     media.push_back(std::move(*made));
   }
-  media_.emplace(plugin.id(), index);
+  media_.emplace(key, index);
   return index;
 }
 
@@ -98,8 +103,8 @@ std::optional<MediumDescription> MediumConverter::convert(const Plugin& plugin) 
     plugin.ignore_all();
     return std::nullopt;
   }
-  plugin.ignore(
-      {"sample_emitters", "has_spectral_extinction", "majorant_resolution_factor", "control_density"});
+  plugin.ignore({"sample_emitters", "has_spectral_extinction", "medium_sampling_mode", "sigma_n",
+                 "majorant_resolution_factor", "control_density"});
   MediumDescription medium;
   medium.name = plugin.name();
   medium.scale = plugin.real_in("scale", 1, 0, kMaxMediumCoefficient);
@@ -153,6 +158,63 @@ void MediumConverter::set_grids(const Plugin& plugin, const Coefficient& extinct
   medium.absorption_grid = add_grid(colored_grid(*lattice.grid, [&](std::size_t i) {
     return extinction_in(i) * (Rgb::gray(1) - clamped_to_unit(voxel(shares, i)));
   }));
+}
+
+// Media emit sigma_a * emission per unit of length, so that those that emit must absorb.
+void MediumConverter::add_emission(const Plugin& light, MediumDescription& medium) {
+  light.ignore({"sampling_weight"});
+  const Coefficient radiance = coefficient(light, "radiance", 0);
+  if (radiance.grid || medium.has_grid()) return add_emission_grid(light, radiance, medium);
+  constexpr float kLeastAbsorption = 1e-3f;
+  Rgb absorption = medium.sigma_a * medium.scale;
+  bool is_raised = false;
+  const auto emission_of = [&](float emitted, float& absorbed) {
+    if (!(emitted > 0)) return 0.0f;
+    is_raised |= absorbed < kLeastAbsorption;
+    absorbed = std::max(absorbed, kLeastAbsorption);
+    return emitted / absorbed;
+  };
+  medium.emission = {emission_of(radiance.value.r, absorption.r), emission_of(radiance.value.g, absorption.g),
+                     emission_of(radiance.value.b, absorption.b)};
+  if (!is_raised) return;
+  light.warn(
+      fmt::format("needs a medium that absorbs; it absorbs {:g} per unit of length", kLeastAbsorption));
+  medium.sigma_s *= medium.scale;
+  medium.sigma_a = absorption;
+  medium.scale = 1;
+}
+
+// Emission in the voxels of the light, or else of the medium, over the absorption there.
+void MediumConverter::add_emission_grid(const Plugin& light, const Coefficient& radiance,
+                                        MediumDescription& medium) {
+  const auto& grids = conversion_.builder.scene().grids;
+  const auto grid_of = [&](int index) { return grids[static_cast<std::size_t>(index)]; };
+  if (!medium.has_grid()) {
+    light.warn("a medium without grids ends where the grid of its radiance does");
+    medium.grid_to_world = radiance.to_world;
+  }
+  std::optional<VoxelGrid> absorption;
+  if (medium.absorption_grid >= 0) absorption = grid_of(medium.absorption_grid);
+  VoxelGrid lattice = radiance.grid ? *radiance.grid : *absorption;
+  if (radiance.grid && radiance.to_world != medium.grid_to_world) {
+    light.warn("its radiance is resampled to the grid of the medium");
+    if (absorption) lattice = *absorption;
+    lattice = resampled(*radiance.grid, radiance.to_world, lattice, medium.grid_to_world);
+  }
+  bool is_dark = false;
+  const auto quotient = [&](float emitted, float absorbed) {
+    is_dark |= emitted > 0 && !(absorbed > 0);
+    return absorbed > 0 ? emitted / absorbed : 0.0f;
+  };
+  medium.emission = Rgb::gray(1);
+  medium.emission_grid = add_grid(colored_grid(lattice, [&](std::size_t i) {
+    const Rgb emitted = radiance.grid ? voxel(lattice, i) : radiance.value;
+    const Rgb density = absorption ? value_at(*absorption, center_of(lattice, i)) : Rgb::gray(1);
+    const Rgb absorbed = medium.sigma_a * medium.scale * density;
+    return Rgb{quotient(emitted.r, absorbed.r), quotient(emitted.g, absorbed.g),
+               quotient(emitted.b, absorbed.b)};
+  }));
+  if (is_dark) light.warn("does not emit where the medium does not absorb");
 }
 
 MediumConverter::Coefficient MediumConverter::coefficient(const Plugin& owner, std::string_view name,

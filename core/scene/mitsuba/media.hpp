@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "core/media/medium_description.hpp"
 #include "core/media/voxel_grid.hpp"
@@ -15,10 +16,9 @@ class MediumConverter {
  public:
   explicit MediumConverter(Conversion& conversion) : conversion_(conversion) {}
 
-  // The media that a shape names as its interior and exterior.
+  // The media that a shape names as its interior and exterior. The interior emits what the shape's
+  // <emitter type="volumelight"> says.
   MediumInterface interface_of(const Plugin& shape);
-  // The index of the medium, the same for the same plugin; kNoMedium after a warning.
-  int medium(const Plugin& plugin);
 
  private:
   // A coefficient: a constant, or a grid with its place.
@@ -28,7 +28,12 @@ class MediumConverter {
     Transform to_world{};
   };
 
+  // The index of the medium, the same for the same plugins; kNoMedium after a warning.
+  int medium(const Plugin& plugin, const std::optional<Plugin>& light);
   std::optional<MediumDescription> convert(const Plugin& plugin);
+  // Lets the medium emit the light's radiance per unit of length.
+  void add_emission(const Plugin& light, MediumDescription& medium);
+  void add_emission_grid(const Plugin& light, const Coefficient& radiance, MediumDescription& medium);
   Coefficient coefficient(const Plugin& owner, std::string_view name, float otherwise);
   std::optional<Coefficient> grid_volume(const Plugin& volume);
   // Sets the coefficients of absorption and scattering, by the albedo.
@@ -41,7 +46,7 @@ class MediumConverter {
   float mean_cosine(const Plugin& plugin);
 
   Conversion& conversion_;
-  std::map<NodeId, int> media_;
+  std::map<std::pair<NodeId, NodeId>, int> media_;  // by medium and light, or the medium twice
 };
 
 }  // namespace tessera::core::mitsuba

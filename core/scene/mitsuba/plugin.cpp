@@ -97,6 +97,11 @@ std::optional<Vec3> Plugin::vector(std::string_view name) const {
   return three == nullptr ? std::nullopt : std::optional(*three);
 }
 
+KeyedTransforms Conversion::in_frames(KeyedTransforms keys) const {
+  for (KeyedTransform& key : keys) key.frame -= shutter_open;
+  return keys;
+}
+
 const KeyedTransforms* Plugin::animation(std::string_view name) const {
   const Property* found = property(name);
   return found == nullptr ? nullptr : std::get_if<KeyedTransforms>(&found->value);
@@ -132,6 +137,24 @@ std::vector<Plugin> Plugin::children(Kind kind) const {
 std::optional<Plugin> Plugin::first_child(Kind kind) const {
   const std::vector<Plugin> all = children(kind);
   return all.empty() ? std::nullopt : std::optional(all.front());
+}
+
+namespace {
+
+std::optional<Plugin> emitter_of(const Plugin& shape, bool in_volume) {
+  for (const Plugin& emitter : shape.children(Kind::kEmitter))
+    if ((emitter.type() == "volumelight") == in_volume) return emitter;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Plugin> area_light_of(const Plugin& shape) {
+  return emitter_of(shape, false);
+}
+
+std::optional<Plugin> volume_light_of(const Plugin& shape) {
+  return emitter_of(shape, true);
 }
 
 void Plugin::ignore(std::initializer_list<std::string_view> names) const {

@@ -23,6 +23,7 @@ struct Conversion {
   bool counts_passing = false;
   bool emission_only = false;  // nothing that is scattered is seen
   float shutter_open = 0;      // the time of frame 0; each unit of time has a frame
+  float shutter_frames = 0;    // how long the shutter is open
 
   void check(const Status& done) {
     if (!done && status) status = done;
@@ -30,6 +31,8 @@ struct Conversion {
 
   // The path of a file that the scene names; nullopt if there is none.
   std::optional<std::string> find_file(const std::string& written) const;
+  // Keyframes by frame instead of time.
+  KeyedTransforms in_frames(KeyedTransforms keys) const;
 };
 
 // A node, whose properties are marked as used when they are asked for. A property of a wrong type counts as
@@ -94,6 +97,10 @@ class Plugin {
   Conversion* conversion_;
   NodeId id_;
 };
+
+// The emitters of a shape: of its surface, and of the medium inside.
+std::optional<Plugin> area_light_of(const Plugin& shape);
+std::optional<Plugin> volume_light_of(const Plugin& shape);
 
 // Warns of all properties of converted plugins that no converter has asked for.
 void warn_of_unused(Conversion& conversion);

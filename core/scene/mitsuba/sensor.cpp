@@ -112,12 +112,6 @@ void set_sampler(RenderSettings& settings, const Plugin& sampler) {
   sampler.ignore({"jitter", "wavefront_size"});
 }
 
-// The keyframes with the shutter's opening as frame 0, and a frame for each unit of time.
-KeyedTransforms shifted(KeyedTransforms keys, float shutter_open) {
-  for (KeyedTransform& key : keys) key.frame -= shutter_open;
-  return keys;
-}
-
 CameraDescription camera_of(const Plugin& sensor, const Transform& to_world, float aspect) {
   CameraDescription camera;
   camera.position = to_world.origin;
@@ -173,14 +167,14 @@ void set_sensor(Conversion& conversion, const Plugin& sensor) {
   CameraDescription camera =
       camera_of(sensor, keys == nullptr ? sensor.transform("to_world") : keys->front().transform, aspect);
   if (keys != nullptr && keys->size() > 1 &&
-      !animate_camera(shifted(*keys, conversion.shutter_open), camera,
-                      conversion.builder.scene().animation.camera))
+      !animate_camera(conversion.in_frames(*keys), camera, conversion.builder.scene().animation.camera))
     sensor.warn("does not move; the first keyframe of 'to_world' counts");
   if (!(shutter_close - conversion.shutter_open >= 0 &&
         shutter_close - conversion.shutter_open <= kMaxShutterFrames))
     sensor.warn(fmt::format("'shutter_close' must be from 'shutter_open' to {} later; the nearest is used",
                             kMaxShutterFrames));
-  camera.shutter_close = std::clamp(shutter_close - conversion.shutter_open, 0.0f, kMaxShutterFrames);
+  conversion.shutter_frames = std::clamp(shutter_close - conversion.shutter_open, 0.0f, kMaxShutterFrames);
+  camera.shutter_close = conversion.shutter_frames;
   if (is_finite(camera.look_at) && camera.look_at != camera.position && is_finite(camera.up))
     conversion.builder.set_camera(camera);
   else

@@ -67,7 +67,7 @@ std::string ShapeConverter::name_of(const Plugin& shape) const {
 
 MaterialIndex ShapeConverter::material(const Plugin& shape, const TextureSite& site) {
   return materials_.material(
-      {shape.first_child(Kind::kBsdf), shape.first_child(Kind::kEmitter), media_.interface_of(shape), site});
+      {shape.first_child(Kind::kBsdf), area_light_of(shape), media_.interface_of(shape), site});
 }
 
 void ShapeConverter::add_mesh(const Plugin& shape, std::optional<std::uint32_t> object) {
@@ -167,8 +167,7 @@ void ShapeConverter::add_curves(const Plugin& shape, CurveBasis basis, std::opti
     return shape.warn(
         fmt::format("{} {}; the shape is left out", in_quotes(written), strands.error().message));
   if (basis == CurveBasis::kLinear) shape.warn("the joints of linear segments are open, and not rounded");
-  if (shape.first_child(Kind::kEmitter))
-    shape.warn("curves that emit light are not supported; they are dark");
+  if (area_light_of(shape)) shape.warn("curves that emit light are not supported; they are dark");
   const Transform to_world = shape.transform("to_world");
   for (Vec3& point : strands->points) point = to_world.point(point);
   const MaterialIndex index = materials_.material(
@@ -198,9 +197,9 @@ void ShapeConverter::add_instance(const Plugin& shape, std::optional<std::uint32
 }
 
 // nullopt after a warning.
-std::optional<std::vector<MotionStep>> ShapeConverter::motion_of(const Plugin& shape, KeyedTransforms keys) {
-  for (KeyedTransform& key : keys) key.frame -= conversion_.shutter_open;
-  auto motion = motion_through(keys);
+std::optional<std::vector<MotionStep>> ShapeConverter::motion_of(const Plugin& shape,
+                                                                 const KeyedTransforms& keys) {
+  auto motion = motion_through(conversion_.in_frames(keys));
   if (!motion || !motion->is_exact) {
     shape.warn(
         "does not move as its keyframes shear it, reflect it or have no inverse; the first one counts");
@@ -221,7 +220,7 @@ ShapeConverter::TextureNeeds ShapeConverter::needs(const Plugin& shape) const {
   TextureNeeds needed;
   std::map<NodeId, bool> seen;
   if (const auto bsdf = shape.first_child(Kind::kBsdf)) collect_needs(bsdf->id(), seen, needed);
-  if (const auto emitter = shape.first_child(Kind::kEmitter)) collect_needs(emitter->id(), seen, needed);
+  if (const auto emitter = area_light_of(shape)) collect_needs(emitter->id(), seen, needed);
   return needed;
 }
 

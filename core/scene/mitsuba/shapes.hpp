@@ -36,7 +36,7 @@ class ShapeConverter {
   void add_cylinder(const Plugin& shape, std::optional<std::uint32_t> object);
   void add_curves(const Plugin& shape, CurveBasis basis, std::optional<std::uint32_t> object);
   void add_instance(const Plugin& shape, std::optional<std::uint32_t> object);
-  std::optional<std::vector<MotionStep>> motion_of(const Plugin& shape, KeyedTransforms keys);
+  std::optional<std::vector<MotionStep>> motion_of(const Plugin& shape, const KeyedTransforms& keys);
   // The object of a shape group.
   std::uint32_t group(const Plugin& shape);
   MaterialIndex material(const Plugin& shape, const TextureSite& site);

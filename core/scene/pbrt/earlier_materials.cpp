@@ -74,15 +74,43 @@ Materials::Model Materials::uber_of_version_3(const Parameters& p) {
   return plastic;
 }
 
+// Its diffuse transmission goes up to 2.
 Materials::Model Materials::disney_of_version_3(const Parameters& p) {
   auto base = color(p, "color", Rgb::gray(0.5f));
   if (!base) return fail(base.error());
-  Principled surface;
+  Disney surface;
   surface.base_color = *base;
-  surface.base_metalness = p.number_in("metallic", 0, 0, 1);
-  surface.specular_roughness = p.number_in("roughness", 0.5f, 0, 1);
-  surface.specular_ior = index_of_refraction(p, "eta", 1.5f);
-  surface.transmission_weight = p.number_in("spectrans", 0, 0, 1);
+  surface.thin_walled = p.boolean("thin", false);
+  struct Weight {
+    const char* name;
+    ScalarParameter& value;
+    float otherwise, most;
+  };
+  const Weight weights[] = {
+      {"metallic", surface.metallic, 0, 1},
+      {"roughness", surface.roughness, 0.5f, 1},
+      {"anisotropic", surface.anisotropic, 0, 1},
+      {"speculartint", surface.specular_tint, 0, 1},
+      {"spectrans", surface.specular_transmission, 0, 1},
+      {"flatness", surface.flatness, 0, 1},
+      {"sheen", surface.sheen, 0, 1},
+      {"sheentint", surface.sheen_tint, 0.5f, 1},
+      {"clearcoat", surface.clearcoat, 0, 1},
+      {"clearcoatgloss", surface.clearcoat_gloss, 1, 1},
+      {"difftrans", surface.diffuse_transmission, 1, 2},
+  };
+  for (const auto& [name, value, otherwise, most] : weights) {
+    auto read = scalar(p, name, otherwise, most);
+    if (!read) return fail(read.error());
+    value = *read;
+  }
+  surface.diffuse_transmission.value /= 2;
+  if (!surface.thin_walled) surface.diffuse_transmission = 0;
+  surface.ior = index_of_refraction(p, "eta", 1.5f);
+  const Rgb distance =
+      p.has("scatterdistance") ? colors_.color(p, "scatterdistance", SpectrumRole::kUnbounded, {}) : Rgb{};
+  if (!is_black(distance))
+    report_.warn(p.place(), "the subsurface scattering of 'disney' is not supported; it reflects diffusely");
   return surface;
 }
 

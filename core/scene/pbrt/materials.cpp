@@ -9,35 +9,17 @@
 #include "core/math/elementary.hpp"
 #include "core/scene/loader/wording.hpp"
 #include "core/scene/pbrt/files.hpp"
-#include "core/scene/pbrt/measured_media.hpp"
 #include "core/scene/tables/material_tables.hpp"
 
 namespace tessera::core::pbrt {
 namespace {
 
-constexpr float kUnbounded = 1e30f, kMaxMeanCosine = 0.999f;
+constexpr float kUnbounded = 1e30f;
 
 // The imaginary index with which a metal of real index 1 reflects `reflectance` at normal incidence.
 float index_for_reflectance(float reflectance) {
   const float r = std::clamp(reflectance, 0.0f, 0.9999f);
   return 2 * std::sqrt(r) / std::sqrt(1 - r);
-}
-
-// The diffuse reflectance of a half-space that scatters the share `albedo` of light at each event (Jensen et
-// al. 2001, eq. 15, with the boundary of an index of refraction).
-float diffuse_reflectance(float albedo, float index) {
-  const float internal = -1.44f / (index * index) + 0.71f / index + 0.668f + 0.0636f * index;
-  const float a = (1 + internal) / (1 - internal);
-  const auto root = static_cast<double>(std::sqrt(3 * std::max(0.0f, 1 - albedo)));
-  return 0.5f * albedo * static_cast<float>((1 + exp(-4.0 / 3 * static_cast<double>(a) * root)) * exp(-root));
-}
-
-Rgb diffuse_reflectance(Rgb absorption, Rgb scattering, float index) {
-  const auto channel = [index](float a, float s) {
-    return a + s > 0 ? diffuse_reflectance(s / (a + s), index) : 0.0f;
-  };
-  return {channel(absorption.r, scattering.r), channel(absorption.g, scattering.g),
-          channel(absorption.b, scattering.b)};
 }
 
 }  // namespace
@@ -63,6 +45,10 @@ void Materials::set(int index, Material material) {
   material.shading_normals = ShadingNormals::kPlain;
   Slot& made = slot(index);
   made.is_textured = has_texture(material);
+  if (auto* glass = std::get_if<Glass>(&material.model); glass != nullptr && glass->ior.value < 1) {
+    glass->ior.value = std::min(1 / glass->ior.value, kMaxIor);
+    made.is_reversed = true;
+  }
   made.material = std::move(material);
   made.state = State::kMade;
 }
@@ -84,18 +70,19 @@ Result<int> Materials::add(const std::string& type, const Parameters& p, const s
   const std::string shown = name.empty()
                                 ? fmt::format("{} {}", type.empty() ? "interface" : type, slots_.size() + 1)
                                 : printable(name);
-  if (type == "mix" && !has_parts(p)) return add_waiting(p, shown);
-  auto made = make(type, p, shown);
+  if (type == "mix")
+    if (const Parts parts = parts_of(p); !are_made(parts)) return add_waiting(p, parts, shown);
+  auto made = make(type, model(type, p), p, shown);
   if (!made) return fail(made.error());
   return add(std::move(*made));
 }
 
-Result<Material> Materials::make(const std::string& type, const Parameters& p, const std::string& name) {
+Result<Material> Materials::make(const std::string& type, Model model, const Parameters& p,
+                                 const std::string& name) {
+  if (!model) return fail(model.error());
   Material material;
   material.name = name;
-  auto made = model(type, p);
-  if (!made) return fail(made.error());
-  material.model = std::move(*made);
+  material.model = std::move(*model);
   if (auto added = add_relief(p, material); !added) return fail(added.error());
   report_.tell(p, fmt::format("the material '{}'", type));
   return material;
@@ -113,7 +100,7 @@ Materials::Model Materials::model(const std::string& type, const Parameters& p) 
   if (type == "diffusetransmission") return diffuse_transmission(p);
   if (type == "subsurface") return subsurface(p);
   if (type == "hair") return hair(p);
-  if (type == "mix") return mix(p);
+  if (type == "mix") return mix(p, parts_of(p));
   return earlier_model(type, p);
 }
 
@@ -133,6 +120,13 @@ Materials::Model Materials::unknown(const std::string& type, const Parameters& p
 Result<ColorParameter> Materials::color(const Parameters& p, std::string_view name, Rgb otherwise) {
   return baker_.color(textures_.color(p, name, SpectrumRole::kAlbedo, otherwise), 1,
                       p.place_of(p.find(name)));
+}
+
+Result<ScalarParameter> Materials::scalar(const Parameters& p, std::string_view name, float otherwise,
+                                          float most) {
+  if (const Parameter* given = p.find(name); given != nullptr && given->type == "float")
+    p.number_in(name, otherwise, 0, most);
+  return baker_.scalar(textures_.number(p, name, otherwise), most, p.place_of(p.find(name)));
 }
 
 namespace {
@@ -322,63 +316,14 @@ Materials::Model Materials::diffuse_transmission(const Parameters& p) {
   return DiffuseTransmission{*reflected, *transmitted};
 }
 
-Materials::Model Materials::subsurface(const Parameters& p) {
-  report_.warn(p.place(),
-               "subsurface scattering is not supported; a coated diffuse surface of its colour is used");
-  // The colour of a thick body does not depend on the length of the paths inside.
-  for (const char* length : {"mfp", "scale"})
-    if (p.has(length)) p.remark(length, "has no effect, because light leaves the surface where it enters");
-  Plastic plastic;
-  const float index = index_of_refraction(p, "eta", 1.33f);
-  plastic.ior = index;
-  plastic.nonlinear = false;
-  auto rough = roughness(p, "", 0, false);
-  if (!rough) return fail(rough.error());
-  plastic.roughness = rough->value;
-  if (p.text("name").empty() && p.has("reflectance")) {
-    auto reflectance = color(p, "reflectance", Rgb::gray(0.5f));
-    if (!reflectance) return fail(reflectance.error());
-    plastic.diffuse = *reflectance;
-  } else {
-    const auto [absorbed, scattered] = scattering_below(p);
-    plastic.diffuse = {diffuse_reflectance(absorbed, scattered, index), -1};
-  }
-  return plastic;
-}
-
-// The coefficients of absorption and of reduced scattering: measured ones are reduced; others are by the mean
-// cosine (similarity theory; Jensen et al. 2001).
-std::pair<Rgb, Rgb> Materials::scattering_below(const Parameters& p) {
-  const MeasuredMedium& milk = *find_measured_medium("Wholemilk");
-  const std::string name = p.text("name");
-  if (name.empty()) {
-    const float reduction = 1 - p.number_in("g", 0, -kMaxMeanCosine, kMaxMeanCosine);
-    return {colors_.color(p, "sigma_a", SpectrumRole::kUnbounded, milk.sigma_a),
-            colors_.color(p, "sigma_s", SpectrumRole::kUnbounded, milk.sigma_s) * reduction};
-  }
-  for (const char* ignored : {"g", "reflectance", "sigma_a", "sigma_s"})
-    if (p.has(ignored)) p.remark(ignored, "is ignored, because there is a \"name\"");
-  const MeasuredMedium* named = find_measured_medium(name);
-  if (named == nullptr)
-    report_.warn(p.place(), "medium of subsurface",
-                 fmt::format("the medium {} is not known; that of whole milk is used", in_quotes(name)));
-  const MeasuredMedium& medium = named == nullptr ? milk : *named;
-  return {medium.sigma_a, medium.sigma_s};
-}
-
 Materials::Model Materials::hair(const Parameters& p) {
   Hair hair;
-  const auto number = [&](std::string_view name, float otherwise, float most) -> Result<ScalarParameter> {
-    if (const Parameter* given = p.find(name); given != nullptr && given->type == "float")
-      p.number_in(name, otherwise, 0, most);  // remarks on what is clamped
-    return baker_.scalar(textures_.number(p, name, otherwise), most, p.place_of(p.find(name)));
-  };
   const bool has_melanin = p.has("eumelanin") || p.has("pheomelanin");
   // More makes no light visible.
   constexpr float kMaxMelanin = 1000, kMaxAbsorption = 100;
-  auto eumelanin = number("eumelanin", has_melanin ? 0.0f : 1.3f, kMaxMelanin);
-  auto pheomelanin = number("pheomelanin", 0, kMaxMelanin);
-  auto beta_m = number("beta_m", 0.3f, 1), beta_n = number("beta_n", 0.3f, 1);
+  auto eumelanin = scalar(p, "eumelanin", has_melanin ? 0.0f : 1.3f, kMaxMelanin);
+  auto pheomelanin = scalar(p, "pheomelanin", 0, kMaxMelanin);
+  auto beta_m = scalar(p, "beta_m", 0.3f, 1), beta_n = scalar(p, "beta_n", 0.3f, 1);
   for (const auto* read : {&eumelanin, &pheomelanin, &beta_m, &beta_n})
     if (!*read) return fail(read->error());
   hair.eumelanin = *eumelanin;

@@ -2,6 +2,7 @@
 // The materials of a scene, converted to ours. Not thread-safe.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -47,9 +48,13 @@ class Materials {
   // Without emission, opacity and media, which are those of a shape.
   const Material& at(int index) const { return slot(resolved(index)).material; }
   bool is_textured(int index) const { return slot(resolved(index)).is_textured; }
+  // Whether the outside is the denser side, so that shapes of the material must be turned inside out.
+  bool is_reversed(int index) const { return slot(resolved(index)).is_reversed; }
 
  private:
   using Model = Result<MaterialModel>;
+
+  using Parts = std::array<int, 2>;  // of a mixture: indices of slots
 
   enum class State {
     kMissing,    // a name that is used, but not defined yet
@@ -62,9 +67,11 @@ class Materials {
     Material material{};  // only its name, as long as it is not made
     State state = State::kMissing;
     bool is_textured = false;  // it or a part of it
+    bool is_reversed = false;
     int alias_of = -1;
     std::vector<Place> uses{};                       // of a missing name
     std::unique_ptr<const Parameters> parameters{};  // of a waiting mixture
+    Parts parts{};                                   // of the same
   };
   Slot& slot(int index) { return slots_[static_cast<std::size_t>(index)]; }
   const Slot& slot(int index) const { return slots_[static_cast<std::size_t>(index)]; }
@@ -81,7 +88,7 @@ class Materials {
   Model subsurface(const Parameters& p);
   std::pair<Rgb, Rgb> scattering_below(const Parameters& p);
   Model hair(const Parameters& p);
-  Model mix(const Parameters& p);
+  Model mix(const Parameters& p, const Parts& parts);
   Model unknown(const std::string& type, const Parameters& p);
   Model plastic_of_version_3(const Parameters& p, float default_roughness);
   Model glass_of_version_3(const Parameters& p);
@@ -90,6 +97,8 @@ class Materials {
   Status add_relief(const Parameters& p, Material& material);
 
   Result<ColorParameter> color(const Parameters& p, std::string_view name, Rgb otherwise);
+  // From 0 to `most`; remarks on what is clamped.
+  Result<ScalarParameter> scalar(const Parameters& p, std::string_view name, float otherwise, float most);
   // The square root of pbrt's alpha.
   struct Roughness {
     ScalarParameter value, anisotropy;
@@ -99,15 +108,16 @@ class Materials {
                               bool may_differ);
   float index_of_refraction(const Parameters& p, std::string_view name, float otherwise);
   int add(Material material);
-  int add_waiting(const Parameters& p, const std::string& name);
+  int add_waiting(const Parameters& p, const Parts& parts, const std::string& name);
   void set(int index, Material material);
-  Result<Material> make(const std::string& type, const Parameters& p, const std::string& name);
+  // The material of a model, with what all types have.
+  Result<Material> make(const std::string& type, Model model, const Parameters& p, const std::string& name);
   bool has_texture(const Material& material) const;
   Status finish(int index, int depth = 0);
-  // The names of the two parts of a mixture.
-  static std::vector<std::string> parts_of(const Parameters& p);
-  bool has_parts(const Parameters& p);
-  std::uint32_t part_of_mix(const Parameters& p, const std::string& name);
+  // The two parts of a mixture: the names mean what they do where it stands.
+  Parts parts_of(const Parameters& p);
+  bool are_made(const Parts& parts) const { return is_made(parts[0]) && is_made(parts[1]); }
+  std::uint32_t part_of_mix(const Parameters& p, int part);
 
   SceneBuilder& builder_;
   const Report& report_;

@@ -44,8 +44,11 @@ bool Media::define(const std::string& name, const Parameters& p, const Matrix& t
   if (!is_supported) {
     report_.warn(
         p.place(), "medium " + type,
-        fmt::format("the medium {} of the type {} is not supported, or has no values; it is left out",
-                    in_quotes(name), in_quotes(type)));
+        type == "nanovdb"
+            ? fmt::format("the medium {} is refused: its NanoVDB grids in {} cannot be read; it is left out",
+                          in_quotes(name), in_quotes(p.text("filename")))
+            : fmt::format("the medium {} of the type {} is not supported, or has no values; it is left out",
+                          in_quotes(name), in_quotes(type)));
     return names_.insert_or_assign(name, kNoMedium).second;
   }
   report_.tell(p, fmt::format("the medium '{}'", type));

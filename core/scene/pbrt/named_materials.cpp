@@ -41,18 +41,13 @@ int Materials::resolved(int index) const {
   return index;
 }
 
-bool Materials::has_parts(const Parameters& p) {
-  bool all = true;
-  for (const std::string& name : parts_of(p)) all &= is_made(find(name, p.place()));
-  return all;
-}
-
-int Materials::add_waiting(const Parameters& p, const std::string& name) {
+int Materials::add_waiting(const Parameters& p, const Parts& parts, const std::string& name) {
   slots_.emplace_back();
   Slot& added = slots_.back();
   added.material.name = name;
   added.state = State::kWaiting;
   added.parameters = std::make_unique<Parameters>(p);
+  added.parts = parts;
   return static_cast<int>(slots_.size()) - 1;
 }
 
@@ -77,32 +72,37 @@ Status Materials::finish(int index, int depth) {
   if (slot(index).state != State::kWaiting) return {};
   const std::unique_ptr<const Parameters> p = std::move(slot(index).parameters);
   slot(index).state = State::kBeingMade;
-  for (const std::string& name : parts_of(*p)) {
-    const int part = resolved(find(name, p->place()));
+  const Parts parts = slot(index).parts;
+  for (const int named : parts) {
+    const int part = resolved(named);
     if (slot(part).state == State::kWaiting && depth < kMaxBlendDepth)
       if (auto done = finish(part, depth + 1); !done) return done;
   }
-  auto made = make("mix", *p, slot(index).material.name);
+  p->find("type");
+  auto made = make("mix", mix(*p, parts), *p, slot(index).material.name);
   if (!made) return fail(made.error());
   set(index, std::move(*made));
   return {};
 }
 
-std::vector<std::string> Materials::parts_of(const Parameters& p) {
+Materials::Parts Materials::parts_of(const Parameters& p) {
   auto names = p.texts("materials");
   if (names.empty()) names = {p.text("namedmaterial1"), p.text("namedmaterial2")};
   names.resize(2);
-  return names;
+  const int first = find(names[0], p.place());
+  return {first, find(names[1], p.place())};
 }
 
 // The scene's material that is a part of a mixture.
-std::uint32_t Materials::part_of_mix(const Parameters& p, const std::string& name) {
-  int part = resolved(find(name, p.place()));
+std::uint32_t Materials::part_of_mix(const Parameters& p, int part) {
+  part = resolved(part);
   if (!is_made(part)) {
     report_.warn(p.place(),
                  "a mixture of materials is a part of itself, or is nested too deeply; gray is used");
     part = default_material();
   }
+  if (is_reversed(part))
+    report_.warn(p.place(), "the inside and outside of a dielectric are exchanged, because it is mixed");
   const auto known = parts_.find(part);
   if (known != parts_.end()) return known->second;
   const std::uint32_t index = builder_.add_material(at(part));
@@ -110,12 +110,11 @@ std::uint32_t Materials::part_of_mix(const Parameters& p, const std::string& nam
   return index;
 }
 
-Materials::Model Materials::mix(const Parameters& p) {
+Materials::Model Materials::mix(const Parameters& p, const Parts& parts) {
   if (p.texts("materials").size() > 2)
     p.remark("materials", "has more than two names; the first two are mixed");
   if (const Parameter* amount = p.find("amount"); amount != nullptr && amount->type == "float")
     p.number_in("amount", 0.5f, 0, 1);  // remarks on what is clamped
-  const std::vector<std::string> parts = parts_of(p);
   const std::uint32_t first = part_of_mix(p, parts[0]), second = part_of_mix(p, parts[1]);
   auto weight = baker_.scalar(textures_.number(p, "amount", 0.5f), 1, p.place());
   if (!weight) return fail(weight.error());

@@ -128,7 +128,16 @@ std::vector<Vec2> uvs_of(const Parameters& p) {
 
 }  // namespace
 
+// A boundary whose outside is the denser side is one of the inverse index that faces the other way.
+void Shapes::turn_inside_out(const Parameters& p, ShapePlacement& at) {
+  at.reverse_orientation = !at.reverse_orientation;
+  std::swap(at.surface.media.interior, at.surface.media.exterior);
+  if (at.surface.light && !at.surface.light->two_sided)
+    report_.warn(p.place(), "a dielectric of an index below 1 emits to its inside");
+}
+
 Status Shapes::add(const std::string& kind, const Parameters& p, ShapePlacement placement) {
+  if (surfaces_.is_reversed(placement.surface)) turn_inside_out(p, placement);
   placement.surface.alpha = textures_.number(p, "alpha");
   if (placement.surface.alpha)
     if (const Rgb* constant = constant_of(placement.surface.alpha); constant != nullptr && constant->r >= 1)

@@ -34,6 +34,7 @@ class Shapes {
   Status add(const std::string& kind, const Parameters& p, ShapePlacement placement);
 
  private:
+  void turn_inside_out(const Parameters& p, ShapePlacement& at);
   Status add_sphere(const Parameters& p, const ShapePlacement& at);
   Status add_disk(const Parameters& p, const ShapePlacement& at);
   Status add_cylinder(const Parameters& p, const ShapePlacement& at);

@@ -40,6 +40,8 @@ class Surfaces {
   bool is_textured(const Surface& surface) const;
   // Whether it matters which of its sides is the front.
   bool has_sides(const Surface& surface) const;
+  // Whether the outside of its material is the denser side.
+  bool is_reversed(const Surface& surface) const { return materials_.is_reversed(surface.material); }
 
  private:
   Result<Material> make(const Surface& surface, double area, const Place& place);

@@ -159,6 +159,42 @@ TEST(GltfMaterials, OfExtensionsBecomeOpenPbr) {
 }
 
 // With a map of its own; else flat, even over a base that has one.
+TEST(GltfMaterials, DraftsThatNameParametersOfOpenPbr) {
+  const json material = {
+      {"extensions",
+       {{"KHR_materials_diffuse_roughness", {{"diffuseRoughnessFactor", 0.25}}},
+        {"KHR_materials_coat",
+         {{"coatFactor", 0.5},
+          {"coatRoughnessFactor", 0.25},
+          {"coatIor", 1.75},
+          {"coatColorFactor", {1, 0.5, 0.25}},
+          {"coatDarkeningFactor", 0.75},
+          {"coatNormalTexture", texture()}}},
+        {"KHR_materials_fuzz",
+         {{"fuzzFactor", 0.5}, {"fuzzColorFactor", {0.25, 0.5, 1}}, {"fuzzRoughnessFactor", 0.125}}}}}};
+  const SceneDescription scene = scene_of(material);
+  EXPECT_EQ(warnings_of(scene), "");
+  const Principled& model = model_of(scene);
+  EXPECT_EQ(model.base_diffuse_roughness.value, 0.25f);
+  EXPECT_EQ(model.coat_weight.value, 0.5f);
+  EXPECT_EQ(model.coat_roughness.value, 0.25f);
+  EXPECT_EQ(model.coat_ior.value, 1.75f);
+  EXPECT_EQ(model.coat_color.value, (Rgb{1, 0.5f, 0.25f}));
+  EXPECT_EQ(model.coat_darkening.value, 0.75f);
+  EXPECT_GE(model.geometry_coat_normal.texture, 0);
+  EXPECT_EQ(model.fuzz_weight.value, 0.5f);
+  EXPECT_EQ(model.fuzz_color.value, (Rgb{0.25f, 0.5f, 1}));
+  EXPECT_EQ(model.fuzz_roughness.value, 0.125f);
+  const SceneDescription turned =
+      scene_of(extension("KHR_materials_coat", {{"coatFactor", 1},
+                                                {"coatRoughnessFactor", 0.5},
+                                                {"coatAnisotropyStrength", 1},
+                                                {"coatAnisotropyRotation", kPi / 2}}));
+  const Principled& stretched = model_of(turned);
+  EXPECT_NEAR(stretched.coat_roughness_anisotropy.value, 0.75, 1e-6);
+  EXPECT_NEAR(stretched.coat_tangent.rotation.value, 0.25, 1e-6);
+}
+
 TEST(GltfMaterials, CoatsHaveTheirOwnNormals) {
   json material = extension("KHR_materials_clearcoat", {{"clearcoatFactor", 1}});
   EXPECT_EQ(model_of(scene_of(material)).geometry_coat_normal.texture, -1);

@@ -46,6 +46,15 @@ SceneDescription with_medium(const std::string& coefficients, const MemoryAssets
                   files);
 }
 
+SceneDescription with_volume_light(const std::string& coefficients, const std::string& radiance,
+                                   const MemoryAssets::Files& files = {}) {
+  return scene_of("<medium type=\"heterogeneous\" id=\"m\">" + coefficients +
+                      "</medium><shape type=\"cube\"><bsdf type=\"null\"/><ref name=\"interior\" id=\"m\"/>"
+                      "<emitter type=\"volumelight\">" +
+                      radiance + "</emitter></shape>",
+                  files);
+}
+
 // The red channel of the voxels.
 std::vector<float> reds(const SceneDescription& scene, int index) {
   const VoxelGrid& made = scene.grids.at(static_cast<std::size_t>(index));
@@ -99,6 +108,30 @@ TEST(MitsubaMedium, GridsOfOneLatticeAreMultipliedAsTheyAre) {
   ASSERT_EQ(scene.media.size(), 1u);
   EXPECT_THAT(reds(scene, scene.media[0].scattering_grid), ElementsAre(1, 1));
   EXPECT_THAT(warnings_of(scene), Not(HasSubstr("resampled")));
+}
+
+// The radiance per unit of length is sigma_a * scale * emission.
+TEST(MitsubaMedia, EmitByTheirShapesVolumeLights) {
+  const std::string radiance = "<rgb name=\"radiance\" value=\"2 0 1\"/>";
+  const SceneDescription even = with_volume_light(
+      "<float name=\"scale\" value=\"4\"/><rgb name=\"sigma_t\" value=\"1 1 1\"/>"
+      "<rgb name=\"albedo\" value=\"0.5 0.5 0.5\"/>",
+      radiance);
+  EXPECT_EQ(warnings_of(even), "");
+  EXPECT_EQ(even.media.at(0).emission, (Rgb{1, 0, 0.5f}));
+  EXPECT_TRUE(is_black(even.materials.back().emission.value));
+  const SceneDescription clear = with_volume_light("<float name=\"sigma_t\" value=\"0\"/>", radiance);
+  EXPECT_THAT(warnings_of(clear), HasSubstr("needs a medium that absorbs"));
+  EXPECT_FLOAT_EQ(clear.media.at(0).sigma_a.r * clear.media.at(0).emission.r, 2);
+  EXPECT_EQ(clear.media.at(0).sigma_a.g, 0);
+  const SceneDescription grids = with_volume_light(
+      grid("sigma_t", "t.vol") + "<float name=\"albedo\" value=\"0.5\"/>", grid("radiance", "e.vol"),
+      {{"t.vol", volume_file({2, 1, 1}, {1, 4})}, {"e.vol", volume_file({2, 1, 1}, {3, 8})}});
+  EXPECT_EQ(warnings_of(grids), "");
+  EXPECT_THAT(reds(grids, grids.media.at(0).emission_grid), ElementsAre(FloatEq(6), FloatEq(4)));
+  const SceneDescription without =
+      scene_of("<shape type=\"cube\"><emitter type=\"volumelight\">" + radiance + "</emitter></shape>");
+  EXPECT_THAT(warnings_of(without), HasSubstr("needs a medium inside of its shape"));
 }
 
 }  // namespace

@@ -282,9 +282,24 @@ TEST(MitsubaMotion, OfTheSensorIsThatOfTheCamera) {
   EXPECT_EQ(scene.camera.shutter_close, 2);
 }
 
-TEST(MitsubaMotion, OfEmittersAndByWrongKeyframesIsTold) {
+// From frame 0 to 2, with 1 at the start of the first keyframe's frame.
+TEST(MitsubaMotion, OfLightsIsManyLights) {
+  const SceneDescription scene = scene_of(
+      "<sensor type=\"perspective\"><float name=\"shutter_open\" value=\"1\"/><float name=\"shutter_close\" "
+      "value=\"3\"/></sensor><emitter type=\"spot\"><rgb name=\"intensity\" value=\"32 64 96\"/>" +
+      animation("<translate x=\"0\"/>", "<translate x=\"32\"/>") + "</emitter>");
+  EXPECT_NE(warnings_of(scene).find("moves; 32 lights along its way replace it"), std::string::npos);
+  ASSERT_EQ(scene.lights.size(), 32u);
+  for (std::size_t i = 0; i < 32; ++i) {
+    const auto& light = std::get<SpotLightDescription>(scene.lights[i]);
+    EXPECT_NEAR(light.position.x, static_cast<float>(i) + 0.5f, 1e-4f);
+    EXPECT_EQ(light.intensity, (Rgb{1, 2, 3}));
+  }
+}
+
+TEST(MitsubaMotion, OfEnvironmentsAndByWrongKeyframesIsTold) {
   const SceneDescription scene =
-      scene_of("<emitter type=\"point\">" + animation("<translate x=\"1\"/>", "<translate x=\"2\"/>") +
+      scene_of("<emitter type=\"directional\">" + animation("<translate x=\"1\"/>", "<translate x=\"2\"/>") +
                "</emitter><emitter type=\"point\"><animation name=\"to_world\"><transform time=\"2\"/>"
                "<transform time=\"1\"/><transform/></animation></emitter>");
   EXPECT_NE(warnings_of(scene).find("does not move; the first keyframe of 'to_world' counts"),

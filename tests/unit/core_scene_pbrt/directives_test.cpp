@@ -265,5 +265,15 @@ TEST(PbrtDirectives, GridsOfMediaFillTheirBox) {
   expect_near(scene.media[0].grid_to_world.point({1, 1, 1}), {3, 2, 2});
 }
 
+TEST(PbrtDirectives, NanoVdbIsRefusedByName) {
+  const SceneDescription scene = pbrt_world(
+      "MakeNamedMedium \"smoke\" \"string type\" \"nanovdb\" \"string filename\" \"smoke.nvdb\"\n" +
+      kPbrtTriangle);
+  EXPECT_THAT(
+      warnings_of(scene),
+      HasSubstr(
+          "scene.pbrt:2: the medium 'smoke' is refused: its NanoVDB grids in 'smoke.nvdb' cannot be read"));
+}
+
 }  // namespace
 }  // namespace tessera::core::test

@@ -109,6 +109,49 @@ TEST(PbrtMaterials, GlassesByNameOrIndex) {
   EXPECT_FLOAT_EQ(model_of<ThinDielectric>("Material \"thindielectric\" \"float eta\" 1.7").ior.value, 1.7f);
 }
 
+// 1 / 0.8 on the other side.
+TEST(PbrtMaterials, DielectricsOfLessThanOneAreTurnedInsideOut) {
+  const std::string air =
+      "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" MediumInterface \"fog\" \"\" "
+      "Material \"dielectric\" \"float eta\" 0.8 ";
+  const SceneDescription scene = pbrt_world(air + kPbrtTriangle);
+  EXPECT_EQ(warnings_of(scene), "");
+  const auto& mesh = std::get<MeshDescription>(scene.shapes.at(0));
+  const Material& material = scene.materials.at(mesh.triangle_materials.at(0));
+  EXPECT_FLOAT_EQ(std::get<Glass>(material.model).ior.value, 1.25f);
+  EXPECT_EQ(material.media.interior, kNoMedium);
+  EXPECT_EQ(material.media.exterior, 0);
+  EXPECT_EQ(mesh.triangles.at(0), (std::array<std::uint32_t, 3>{0, 2, 1}));
+  const SceneDescription light = pbrt_world(air + "AreaLightSource \"diffuse\" " + kPbrtTriangle);
+  EXPECT_THAT(warnings_of(light), HasSubstr("a dielectric of an index below 1 emits to its inside"));
+  const SceneDescription mixed = pbrt_world(
+      "MakeNamedMaterial \"a\" \"string type\" \"dielectric\" \"float eta\" 0.8 Material \"mix\" \"string "
+      "materials\" [\"a\" \"a\"] " +
+      kPbrtTriangle);
+  EXPECT_THAT(warnings_of(mixed), HasSubstr("the inside and outside of a dielectric are exchanged"));
+}
+
+TEST(PbrtMaterials, DisneyOfVersion3) {
+  const auto solid = model_of<Disney>(
+      "Material \"disney\" \"rgb color\" [0.2 0.4 0.6] \"float metallic\" 0.25 \"float clearcoat\" 0.75 "
+      "\"float "
+      "difftrans\" 2");
+  EXPECT_EQ(solid.base_color.value, (Rgb{0.2f, 0.4f, 0.6f}));
+  EXPECT_EQ(solid.metallic.value, 0.25f);
+  EXPECT_EQ(solid.roughness.value, 0.5f);
+  EXPECT_EQ(solid.sheen_tint.value, 0.5f);
+  EXPECT_EQ(solid.clearcoat.value, 0.75f);
+  EXPECT_EQ(solid.clearcoat_gloss.value, 1);
+  EXPECT_EQ(solid.diffuse_transmission.value, 0);
+  const auto sheet = model_of<Disney>("Material \"disney\" \"bool thin\" true \"float flatness\" 0.5");
+  EXPECT_TRUE(sheet.thin_walled);
+  EXPECT_EQ(sheet.flatness.value, 0.5f);
+  EXPECT_EQ(sheet.diffuse_transmission.value, 0.5f);
+  const SceneDescription scattering =
+      pbrt_world("Material \"disney\" \"rgb scatterdistance\" [1 1 1] " + kPbrtTriangle);
+  EXPECT_THAT(warnings_of(scattering), HasSubstr("the subsurface scattering of 'disney' is not supported"));
+}
+
 TEST(PbrtMaterials, DiffuseTransmissionIsScaled) {
   const auto leaf = model_of<DiffuseTransmission>(
       "Material \"diffusetransmission\" \"rgb reflectance\" [0.2 0.4 0.6] \"float scale\" 0.5");
@@ -148,6 +191,19 @@ TEST(PbrtMaterials, NamesMayBeUsedBeforeTheyAreDefined) {
   EXPECT_TRUE(std::holds_alternative<Glass>(scene.materials.at(blend.first).model));
   EXPECT_TRUE(std::holds_alternative<ConductorMaterial>(scene.materials.at(blend.second).model));
   EXPECT_EQ(scene.materials.at(of_mesh).name, "both");
+}
+
+TEST(PbrtMaterials, MixturesKeepTheirPartsWhenNamesAreDefinedAgain) {
+  const SceneDescription scene = pbrt_world(
+      "MakeNamedMaterial \"a\" \"string type\" \"dielectric\"\n"
+      "MakeNamedMaterial \"both\" \"string type\" \"mix\" \"string materials\" [\"a\" \"b\"]\n"
+      "MakeNamedMaterial \"a\" \"string type\" \"diffuse\"\n"
+      "MakeNamedMaterial \"b\" \"string type\" \"conductor\" NamedMaterial \"both\"\n" +
+      kPbrtTriangle);
+  const auto& mesh = std::get<MeshDescription>(scene.shapes.at(0));
+  const auto& blend = std::get<Blend>(scene.materials.at(mesh.triangle_materials.at(0)).model);
+  EXPECT_TRUE(std::holds_alternative<Glass>(scene.materials.at(blend.first).model));
+  EXPECT_TRUE(std::holds_alternative<ConductorMaterial>(scene.materials.at(blend.second).model));
 }
 
 TEST(PbrtMaterials, ShapesOfObjectsWaitForTheirMaterials) {
