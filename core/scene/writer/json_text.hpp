@@ -19,6 +19,11 @@ std::string number(std::uint64_t value);
 std::string boolean(bool value);
 // In quotes. Bytes that are not printable UTF-8 are escaped as core/base/printable.hpp does.
 std::string text(std::string_view value);
+// The word of an enumerator, by its number.
+template <typename Words, typename Enum>
+std::string word(const Words& words, Enum value) {
+  return text(words[static_cast<std::size_t>(value)]);
+}
 std::string vector(Vec2 value);
 std::string vector(Vec3 value);
 // A single number for gray.

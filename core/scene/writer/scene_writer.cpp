@@ -1,26 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/writer/scene_writer.hpp"
-#include "core/scene/writer/curve_writer.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
-#include "core/base/overloaded.hpp"
 #include "core/scene/loader/scene_keys.hpp"
 #include "core/scene/tables/camera_tables.hpp"
 #include "core/scene/tables/light_tables.hpp"
 #include "core/scene/tables/medium_tables.hpp"
-#include "core/scene/tables/shape_tables.hpp"
 #include "core/scene/writer/json_text.hpp"
 #include "core/scene/writer/material_text.hpp"
 #include "core/scene/writer/motion_text.hpp"
-#include "core/scene/writer/ply_writer.hpp"
+#include "core/scene/writer/shape_writer.hpp"
 #include "core/scene/writer/texture_writer.hpp"
 #include "core/scene/writer/volume_writer.hpp"
 
@@ -29,19 +25,11 @@ namespace {
 
 using json_text::Object;
 
-std::string vec3_text(Vec3 v) {
-  return json_text::vector(v);
-}
 std::string float_text(float v) {
   return json_text::number(v);
 }
 std::string integer_text(std::int64_t v) {
   return fmt::format("{}", v);
-}
-
-template <typename Words, typename Enum>
-std::string choice_text(const Words& words, Enum value) {
-  return json_text::text(words[static_cast<std::size_t>(value)]);
 }
 
 // Adds a number to names that are empty or were used before.
@@ -58,11 +46,6 @@ std::vector<std::string> unique_names(const List& list, std::string_view kind) {
     names.push_back(std::move(name));
   }
   return names;
-}
-
-// Whether the name is none, or the one that the loader gives a shape without a name.
-bool is_default_name(const std::string& name) {
-  return name.empty() || name.starts_with("shapes[");
 }
 
 // Those of the material or medium of the index; empty without keyframes.
@@ -89,31 +72,16 @@ class SceneWriter {
   std::string medium_text(const MediumDescription& medium, const ParameterTracks& tracks) const;
   std::string light_text(const LightDescription& light, const LightAnimation& animation) const;
   std::vector<std::string> light_texts() const;
-  Result<std::vector<std::string>> shape_texts(const std::vector<ShapeDescription>& shapes,
-                                               const std::vector<std::string>& names,
-                                               const std::map<std::uint32_t, const InstanceMotion*>& motions);
-  Result<Object> mesh_object(const MeshDescription& mesh);
-  Object instance_object(const InstanceDescription& instance, const InstanceMotion* motion) const;
-  template <typename Shape>
-  Object plain_object(std::string_view type, const Shape& shape) const;
-  Object disk_object(const DiskDescription& disk) const;
-  Object cylinder_object(const CylinderDescription& cylinder) const;
-  Result<Object> curves_object(const CurvesDescription& curves);
-  Result<std::string> mesh_file_text(const MeshDescription& mesh,
-                                     const std::vector<std::uint32_t>& materials);
   Status add_objects(Object& objects);
   // Writes a file into the folder of files, and returns its path.
   Result<std::string> write_file(std::string_view kind, std::size_t number, std::string_view ending,
                                  std::string_view bytes) const;
-  std::string material_name(std::uint32_t material) const {
-    return json_text::text(names_.materials[material]);
-  }
 
   const SceneDescription& scene_;
   const std::string& name_;
   const WriteSceneFile& write_;
   SceneNames names_;
-  std::size_t meshes_ = 0, curves_ = 0;
+  ShapeWriter shapes_{names_, [this](const auto&... file) { return write_file(file...); }};
 };
 
 Result<std::string> SceneWriter::write_file(std::string_view kind, std::size_t number,
@@ -130,14 +98,14 @@ std::string SceneWriter::settings_text() const {
   render.add("width", integer_text(s.width_px)).add("height", integer_text(s.height_px));
   render.add("spp", integer_text(s.spp));
   render.add_unless("0", "seed", json_text::number(s.seed));
-  render.add_unless(choice_text(scene_keys::kIntegrators, standard.integrator), "integrator",
-                    choice_text(scene_keys::kIntegrators, s.integrator));
-  render.add_unless(choice_text(scene_keys::kHeuristics, standard.heuristic), "heuristic",
-                    choice_text(scene_keys::kHeuristics, s.heuristic));
+  render.add_unless(json_text::word(scene_keys::kIntegrators, standard.integrator), "integrator",
+                    json_text::word(scene_keys::kIntegrators, s.integrator));
+  render.add_unless(json_text::word(scene_keys::kHeuristics, standard.heuristic), "heuristic",
+                    json_text::word(scene_keys::kHeuristics, s.heuristic));
   render.add_unless("0", "max_depth", integer_text(s.max_depth));
   render.add_unless("0", "clamp_indirect", float_text(s.clamp_indirect));
   if (s.filter != standard.filter)
-    render.add("filter", choice_text(scene_keys::kFilters, s.filter.kind))
+    render.add("filter", json_text::word(scene_keys::kFilters, s.filter.kind))
         .add("filter_radius", float_text(s.filter.radius_px));
   if (s.crop)
     render.add("crop", json_text::list({integer_text(s.crop->x0), integer_text(s.crop->y0),
@@ -171,8 +139,8 @@ std::string SceneWriter::camera_text() const {
 std::string SceneWriter::output_text() const {
   Object output;
   output.add_unless("0", "exposure", float_text(scene_.display.exposure_stops));
-  output.add_unless(choice_text(scene_keys::kToneCurves, DisplaySettings().tone_curve), "tone_curve",
-                    choice_text(scene_keys::kToneCurves, scene_.display.tone_curve));
+  output.add_unless(json_text::word(scene_keys::kToneCurves, DisplaySettings().tone_curve), "tone_curve",
+                    json_text::word(scene_keys::kToneCurves, scene_.display.tone_curve));
   return output.on_one_line();
 }
 
@@ -193,16 +161,16 @@ Status SceneWriter::add_textures(Object& textures) {
     Object entry;
     entry.add("file", json_text::text(path));
     if (!color_space.empty()) entry.add("color_space", json_text::text(color_space));
-    entry.add_unless(choice_text(scene_keys::kWraps, Wrap::kRepeat), "wrap",
-                     choice_text(scene_keys::kWraps, texture.wrap));
-    if (texture.wrap_v) entry.add("wrap_v", choice_text(scene_keys::kWraps, *texture.wrap_v));
+    entry.add_unless(json_text::word(scene_keys::kWraps, Wrap::kRepeat), "wrap",
+                     json_text::word(scene_keys::kWraps, texture.wrap));
+    if (texture.wrap_v) entry.add("wrap_v", json_text::word(scene_keys::kWraps, *texture.wrap_v));
     entry.add_unless(json_text::vector(Vec2{1, 1}), "scale", json_text::vector(texture.scale));
     entry.add_unless(json_text::vector(Vec2{0, 0}), "offset", json_text::vector(texture.offset));
     entry.add_unless(json_text::vector(Vec2{0, 0}), "shear", json_text::vector(texture.shear));
-    entry.add_unless(choice_text(scene_keys::kUvSets, UvSet::kFirst), "uv_set",
-                     choice_text(scene_keys::kUvSets, texture.uv_set));
+    entry.add_unless(json_text::word(scene_keys::kUvSets, UvSet::kFirst), "uv_set",
+                     json_text::word(scene_keys::kUvSets, texture.uv_set));
     if (texture.filter == TextureFilter::kNearest)
-      entry.add("filter", choice_text(scene_keys::kTextureFilters, texture.filter));
+      entry.add("filter", json_text::word(scene_keys::kTextureFilters, texture.filter));
     names_.textures.push_back(fmt::format("texture {}", i));
     textures.add(names_.textures.back(), entry.on_one_line());
   }
@@ -211,7 +179,7 @@ Status SceneWriter::add_textures(Object& textures) {
 
 std::string SceneWriter::light_text(const LightDescription& light, const LightAnimation& animation) const {
   Object object;
-  object.add("type", choice_text(scene_keys::kLightTypes, light.index()));
+  object.add("type", json_text::word(scene_keys::kLightTypes, light.index()));
   std::visit(
       [&]<typename Light>(const Light& description) {
         TableWriter(names_, object).write(kKeys<Light>, description, animation);
@@ -263,151 +231,9 @@ std::string SceneWriter::medium_text(const MediumDescription& medium, const Para
   return object.on_one_line();
 }
 
-// The materials that a mesh uses, in the order of first use, and the place of each triangle's among them.
-struct MeshMaterials {
-  std::vector<std::uint32_t> used, of_triangles;
-};
-
-MeshMaterials materials_of(const MeshDescription& mesh) {
-  MeshMaterials materials;
-  std::map<std::uint32_t, std::uint32_t> places;
-  for (const std::uint32_t material : mesh.triangle_materials) {
-    const auto [place, is_new] =
-        places.try_emplace(material, static_cast<std::uint32_t>(materials.used.size()));
-    if (is_new) materials.used.push_back(material);
-    materials.of_triangles.push_back(place->second);
-  }
-  return materials;
-}
-
-// The name of its file, or of that of each of its steps.
-Result<std::string> SceneWriter::mesh_file_text(const MeshDescription& mesh,
-                                                const std::vector<std::uint32_t>& materials) {
-  if (mesh.steps.empty()) {
-    const auto path = write_file("mesh", meshes_++, "ply", write_ply(mesh, materials));
-    if (!path) return fail(path.error());
-    return json_text::text(*path);
-  }
-  Track<std::string> files;
-  MeshDescription at_step = mesh;
-  at_step.steps = {};
-  for (const auto& [frame, positions, normals] : mesh.steps) {
-    at_step.positions = positions;
-    at_step.normals = normals;
-    auto path = write_file("mesh", meshes_++, "ply", write_ply(at_step, materials));
-    if (!path) return fail(path.error());
-    files.frames.push_back(frame);
-    files.values.push_back(std::move(*path));
-  }
-  return keyframes_text(files, [](const std::string& path) { return json_text::text(path); });
-}
-
-Result<Object> SceneWriter::mesh_object(const MeshDescription& mesh) {
-  MeshMaterials materials = materials_of(mesh);
-  const bool has_list = mesh.triangle_materials.size() > 1;
-  if (!has_list) materials.of_triangles.clear();
-  const auto file = mesh_file_text(mesh, materials.of_triangles);
-  if (!file) return fail(file.error());
-  Object object;
-  object.add("type", json_text::text("mesh")).add("file", *file);
-  if (has_list) {
-    std::vector<std::string> names;
-    for (const std::uint32_t material : materials.used) names.push_back(material_name(material));
-    object.add("materials", json_text::list(names));
-  } else {
-    object.add("material", material_name(materials.used.front()));
-  }
-  if (!mesh.colors.empty()) object.add("vertex_colors", json_text::text("use"));
-  if (mesh.normals.empty()) object.add("normals", json_text::text("flat"));
-  return object;
-}
-
-Object SceneWriter::instance_object(const InstanceDescription& instance, const InstanceMotion* motion) const {
-  Object object;
-  object.add("type", json_text::text("instance"));
-  object.add("object", json_text::text(names_.objects[instance.object]));
-  if (instance.material) object.add("material", material_name(*instance.material));
-  if (motion != nullptr)
-    object.add("transform", motion_text(motion->steps));
-  else if (instance.to_world != Transform())
-    object.add("transform", transform_text(instance.to_world));
-  return object;
-}
-
-// A shape that is written as it is described.
-template <typename Shape>
-Object SceneWriter::plain_object(std::string_view type, const Shape& shape) const {
-  Object object;
-  object.add("type", json_text::text(type));
-  TableWriter(names_, object).write(kKeys<Shape>, shape, ParameterTracks());
-  return object.add("material", material_name(shape.material));
-}
-
-// The unit disk under a matrix, which keeps the radii exactly.
-Object SceneWriter::disk_object(const DiskDescription& disk) const {
-  Object object;
-  object.add("type", json_text::text("disk")).add("radius", "1");
-  object.add_unless("0", "inner_radius", float_text(disk.inner));
-  if (disk.flipped) object.add("flip_normal", json_text::boolean(true));
-  object.add("material", material_name(disk.material));
-  const Vec3 normal = cross(disk.radius_u, disk.radius_v);
-  object.add("transform", transform_text({disk.radius_u, disk.radius_v, normal, disk.center}));
-  return object;
-}
-
-Object SceneWriter::cylinder_object(const CylinderDescription& cylinder) const {
-  Object object;
-  object.add("type", json_text::text("cylinder")).add("start", vec3_text({0, 0, 0}));
-  object.add("end", vec3_text({0, 0, 1})).add("radius", "1");
-  if (cylinder.flipped) object.add("flip_normal", json_text::boolean(true));
-  object.add("material", material_name(cylinder.material));
-  object.add("transform",
-             transform_text({cylinder.radius_u, cylinder.radius_v, cylinder.axis, cylinder.start}));
-  return object;
-}
-
-Result<Object> SceneWriter::curves_object(const CurvesDescription& curves) {
-  const CurveStrands& strands = curves.strands;
-  auto path = write_file("curves", curves_++, "ply", write_curve_file(strands));
-  if (!path) return fail(path.error());
-  Object object;
-  object.add("type", json_text::text("curves")).add("file", json_text::text(*path));
-  object.add("basis", choice_text(scene_keys::kCurveBases, strands.basis));
-  object.add("shape", choice_text(scene_keys::kCurveShapes, strands.shape));
-  if (strands.radii.size() == 1) object.add("radius", float_text(strands.radii[0]));
-  object.add("material", material_name(curves.material));
-  return object;
-}
-
-Result<std::vector<std::string>> SceneWriter::shape_texts(
-    const std::vector<ShapeDescription>& shapes, const std::vector<std::string>& names,
-    const std::map<std::uint32_t, const InstanceMotion*>& motions) {
-  std::vector<std::string> texts;
-  for (std::uint32_t i = 0; i < shapes.size(); ++i) {
-    const auto motion = motions.find(i);
-    Result<Object> object = std::visit(
-        Overloaded{
-            [&](const MeshDescription& mesh) { return mesh_object(mesh); },
-            [&](const SphereDescription& sphere) -> Result<Object> { return plain_object("sphere", sphere); },
-            [&](const QuadDescription& quad) -> Result<Object> { return plain_object("quad", quad); },
-            [&](const DiskDescription& disk) -> Result<Object> { return disk_object(disk); },
-            [&](const CylinderDescription& cylinder) -> Result<Object> { return cylinder_object(cylinder); },
-            [&](const CurvesDescription& curves) { return curves_object(curves); },
-            [&](const InstanceDescription& instance) -> Result<Object> {
-              return instance_object(instance, motion == motions.end() ? nullptr : motion->second);
-            },
-        },
-        shapes[i]);
-    if (!object) return fail(object.error());
-    if (i < names.size() && !is_default_name(names[i])) object->add("name", json_text::text(names[i]));
-    texts.push_back(object->on_one_line());
-  }
-  return texts;
-}
-
 Status SceneWriter::add_objects(Object& objects) {
   for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
-    const auto shapes = shape_texts(scene_.objects[i].shapes, scene_.objects[i].shape_names, {});
+    const auto shapes = shapes_.texts(scene_.objects[i].shapes, scene_.objects[i].shape_names, {});
     if (!shapes) return fail(shapes.error());
     objects.add(names_.objects[i], Object().add("shapes", json_text::list_on_lines(*shapes, 6)).on_lines(4));
   }
@@ -430,7 +256,7 @@ Status SceneWriter::write() {
   if (auto added = add_objects(objects); !added) return added;
   std::map<std::uint32_t, const InstanceMotion*> motions;
   for (const InstanceMotion& motion : scene_.animation.instances) motions[motion.shape] = &motion;
-  const auto shapes = shape_texts(scene_.shapes, scene_.shape_names, motions);
+  const auto shapes = shapes_.texts(scene_.shapes, scene_.shape_names, motions);
   if (!shapes) return fail(shapes.error());
 
   Object root;
