@@ -113,31 +113,20 @@ int write_durably(const FileDescriptor& file, std::string_view bytes) {
   return ::fsync(file.get()) == 0 ? 0 : errno;
 }
 
-// ---- Temporary files: .NAME.PID-N.tmp beside NAME ----
+// ---- Temporary files: .NAME.N.tmp beside NAME, N from 0 on; after these .NAME.PID-N.tmp ----
 //
 // Their writers hold a lock on them, which ends with the process, also on other machines that share the
 // folder.
 
-constexpr std::string_view kTemporarySuffix = ".tmp";
+// Of the names without a process.
+constexpr int kSharedNames = 16;
 
-std::string temporary_prefix(const std::string& target) {
+std::string temporary_path(const std::string& target, int number) {
   constexpr std::size_t kMaxNameBytes = 200;
-  const std::string name = std::filesystem::path(target).filename();
-  return fmt::format(".{}.", name.substr(0, kMaxNameBytes));
-}
-
-bool is_number(std::string_view text) {
-  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
-}
-
-bool is_temporary(std::string_view name, std::string_view prefix) {
-  if (!name.starts_with(prefix) || !name.ends_with(kTemporarySuffix)) return false;
-  if (name.size() < prefix.size() + kTemporarySuffix.size()) return false;
-  name.remove_prefix(prefix.size());
-  name.remove_suffix(kTemporarySuffix.size());
-  const std::size_t dash = name.find('-');
-  return dash != std::string_view::npos && is_number(name.substr(0, dash)) &&
-         is_number(name.substr(dash + 1));
+  const std::string name = std::filesystem::path(target).filename().string().substr(0, kMaxNameBytes);
+  const std::string which = number < kSharedNames ? fmt::format("{}", number)
+                                                  : fmt::format("{}-{}", ::getpid(), number - kSharedNames);
+  return fmt::format("{}/.{}.{}.tmp", folder_of(target), name, which);
 }
 
 // Says to others that this process writes the file. False if one of them is just removing it. On file systems
@@ -154,14 +143,12 @@ bool is_named(const FileDescriptor& file, const std::string& path) {
          open_file.st_dev == named.st_dev && open_file.st_ino == named.st_ino;
 }
 
-// Removes the temporary files of the target that killed writers have left.
+// Removes the temporary files of the target that killed writers have left, but those with a process in their
+// name: these are made only while so many write the same file, or where there are no locks. To look for names
+// costs the same in a folder of many files, unlike listing it.
 void remove_abandoned_beside(const std::string& target) {
-  const std::string prefix = temporary_prefix(target);
-  std::error_code error;
-  for (std::filesystem::directory_iterator entry(folder_of(target), error), end; !error && entry != end;
-       entry.increment(error)) {
-    const std::string path = entry->path();
-    if (!is_temporary(entry->path().filename().native(), prefix)) continue;
+  for (int number = 0; number < kSharedNames; ++number) {
+    const std::string path = temporary_path(target, number);
     const FileDescriptor file(::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
     if (!file.valid() || ::flock(file.get(), LOCK_EX | LOCK_NB) != 0) continue;
     // With the lock, a file that still has this name has no writer who will rename it.
@@ -171,14 +158,12 @@ void remove_abandoned_beside(const std::string& target) {
 
 // Calls `create` with names beside `target` until one is unused, and returns that name. Returns an empty
 // string and sets errno if none can be created. Other processes may be writing the same target, or have
-// left files behind.
+// left files behind, which stay where there are no locks.
 template <typename Create>
 std::string new_name_beside(const std::string& target, const Create& create) {
-  constexpr int kAttempts = 100;
-  const std::string prefix = temporary_prefix(target);
+  constexpr int kAttempts = 1000;
   for (int attempt = 0;; ++attempt) {
-    std::string path =
-        fmt::format("{}/{}{}-{}{}", folder_of(target), prefix, ::getpid(), attempt, kTemporarySuffix);
+    std::string path = temporary_path(target, attempt);
     if (create(path)) return path;
     if (errno != EEXIST || attempt == kAttempts) return "";
   }

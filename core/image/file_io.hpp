@@ -15,7 +15,7 @@ Result<std::string> read_file(const std::string& path);
 
 // Writes a temporary file beside the target, flushes it to disk and renames it. `path` holds either its
 // previous content or all of `bytes`; an error leaves nothing behind. A temporary file that a killed process
-// has left (.NAME.PID-N.tmp) is removed when the same file is written again. Links are followed. A target
+// has left (.NAME.N.tmp) is removed when the same file is written again. Links are followed. A target
 // that is not a regular file (a pipe, /dev/stdout) is written directly.
 Status write_file_atomically(const std::string& path, std::string_view bytes);
 
