@@ -5,9 +5,9 @@
 #      command lines and the farm, for which optimising changes nothing, the shipped scenes in small, and the corpora of
 #      the fuzzers with mutants (tests/fuzz/README.md). The tests labelled unsanitized, of which sanitizers prevent a
 #      part, run in the other pass as well;
-#   2. an optimised build: first core and the command line without the farm, and so without gRPC; then, in the same folder,
-#      everything, and all other tests. core is compiled a second time for AVX-512 where the processor has it, and once for
-#      any processor, whose images are compared.
+#   2. an optimised build: first core and the command line without the farm, and so without gRPC; then, in the same
+#      folder, everything, and all other tests. What renders is compiled a second time for AVX-512 where the processor
+#      has it, and core once for any processor; their images are compared.
 # Ends with an error at the first pass that fails. Skipped tests are named, with the reason.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -33,7 +33,7 @@ build asan "" tests_unit tests_farm tests_unsanitized tests_sanitizers tests_fuz
 ASAN_OPTIONS=detect_stack_use_after_return=1 \
   LSAN_OPTIONS=suppressions=$PWD/tests/support/lsan.supp:print_suppressions=0 \
   UBSAN_OPTIONS=print_stacktrace=1 \
-  run_tests asan "$jobs" --label-regex '^(unit|farm|unsanitized|sanitizers|fuzz)$'
+  run_tests asan $((jobs + 1)) --label-regex '^(unit|farm|unsanitized|sanitizers|fuzz)$'
 
 heading "Pass 2 of 2: optimised, without the farm"
 build tests -DTESSERA_FARM=OFF client_test
@@ -45,5 +45,6 @@ build portable "" tessera
 heading "Pass 2 of 2: optimised"
 grep -qw avx512dq /proc/cpuinfo && avx512=ON || avx512=OFF
 build tests "-DTESSERA_FARM=ON -DTESSERA_AVX512=$avx512" tests_optimised
-# One more than there are processors: tests with real processes wait more than they compute.
-run_tests tests $((jobs + 1)) --label-exclude '^(unit|farm|fuzz)$'
+# Twice as many as there are processors: tests with real processes compute for a third of their time, and wait. Those
+# that only compute take two places.
+run_tests tests $((2 * jobs)) --label-exclude '^(unit|farm|fuzz)$'

@@ -12,10 +12,12 @@ TileQueue::Distance TileQueue::distance(int tile) const {
   return x * x + y * y;
 }
 
-void TileQueue::add(const TileChange& change, bool with_coarse) {
+void TileQueue::add(const TileChange& change, bool with_coarse, bool is_first) {
   Entry& entry = entries_[change.tile];
   if (change.revision <= entry.sent) return;
   entry.last = change.revision;
+  if (is_first && !entry.is_first) ++first_left_;
+  entry.is_first |= is_first;
   if (entry.is_waiting) return;
   entry.is_waiting = true;
   if (with_coarse)
@@ -44,6 +46,8 @@ void TileQueue::note_sent(int tile, Revision revision, Clock::time_point now) {
   Entry& entry = entries_.at(tile);
   entry.sent = revision;
   entry.sent_at = now;
+  if (entry.is_first) --first_left_;
+  entry.is_first = false;
 }
 
 std::optional<TileQueue::Clock::time_point> TileQueue::next_time() const {

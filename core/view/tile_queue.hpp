@@ -5,6 +5,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -27,8 +28,8 @@ class TileQueue {
   TileQueue(const core::TileGrid& grid, int centre_x, int centre_y)
       : grid_(grid), centre_x_(centre_x), centre_y_(centre_y) {}
 
-  // `with_coarse`: it is sent coarsely before.
-  void add(const TileChange& change, bool with_coarse);
+  // `with_coarse`: it is sent coarsely before. `is_first`: it had changed before the viewer came.
+  void add(const TileChange& change, bool with_coarse, bool is_first);
 
   struct Next {
     TileChange change;
@@ -42,6 +43,8 @@ class TileQueue {
   // Changes of the tile up to this revision are sent.
   void note_sent(int tile, Revision revision, Clock::time_point now);
 
+  // Whether all that was added as the first is sent.
+  bool has_sent_first() const { return first_left_ == 0; }
   bool is_empty() const { return coarse_.empty() && fine_.empty(); }
   // When take() has something.
   std::optional<Clock::time_point> next_time() const;
@@ -53,6 +56,7 @@ class TileQueue {
     Revision last = 0, sent = 0;
     Clock::time_point sent_at{};
     bool is_waiting = false;
+    bool is_first = false;  // and not sent yet
   };
   using Distance = std::int64_t;
 
@@ -61,6 +65,7 @@ class TileQueue {
   const core::TileGrid grid_;
   const int centre_x_, centre_y_;
   std::map<int, Entry> entries_;
+  std::size_t first_left_ = 0;  // entries that are first
   std::set<std::pair<Distance, int>> coarse_;
   std::set<std::tuple<Clock::time_point, Distance, int>> fine_;  // by when they were sent
 };

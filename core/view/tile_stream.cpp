@@ -88,7 +88,7 @@ bool TileStream::poll_changes() {
     }
     for (const TileChange& change : *changes) {
       seen_ = change.revision;
-      if (is_wanted(change.tile)) queue_->add(change, with_coarse);
+      if (is_wanted(change.tile)) queue_->add(change, with_coarse, is_first_poll_);
     }
     if (changes->size() < kChangesOfRound) break;
   }
@@ -122,7 +122,7 @@ bool TileStream::write_tile(const TileQueue::Next& next, JoinedTiles& joined, st
       settings_.tiles.get({source_->id(), change.tile, format_of_level(level), level, query_.layer},
                           change.revision, rect, [&] { return source_->read(change); });
   if (!tile) {
-    if (!next.is_coarse) queue_->add(change, false);
+    if (!next.is_coarse) queue_->add(change, false, false);
     retry_at_ = now + kRetryInterval;
     return is_temporary(tile.error());
   }
@@ -137,12 +137,16 @@ bool TileStream::write_tile(const TileQueue::Next& next, JoinedTiles& joined, st
 }
 
 void TileStream::write_revision(std::string& out, Clock::time_point now) {
-  if (!queue_ || (!queue_->is_empty() && now < next_revision_)) return;
+  if (!queue_) return;
+  const bool is_whole = !is_first_poll_ && queue_->has_sent_first();
+  const bool is_newly_whole = is_whole && !reported_whole_;
+  if (!is_newly_whole && !queue_->is_empty() && now < next_revision_) return;
   next_revision_ = now + kRevisionInterval;
   const Revision complete = queue_->complete_until(seen_);
-  if (complete <= reported_) return;
+  if (!is_newly_whole && complete <= reported_) return;
   reported_ = complete;
-  append_frame(out, fmt::format(R"({{"type":"revision","revision":{}}})", complete));
+  reported_whole_ = is_whole;
+  append_frame(out, fmt::format(R"({{"type":"revision","revision":{},"whole":{}}})", complete, is_whole));
 }
 
 http::BodySource::State TileStream::read(std::string& out, std::size_t max_bytes) {

@@ -63,6 +63,7 @@ class TileStream final : public http::BodySource {
   bool is_over_ = false;
   Revision seen_;      // the last change that is in the queue
   Revision reported_;  // what the viewer knows that it has
+  bool reported_whole_ = false;
   Revision header_ = 0;
   bool has_header_ = false;
   Clock::time_point next_poll_{}, next_header_{}, next_revision_{}, last_written_{}, retry_at_{};

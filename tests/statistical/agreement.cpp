@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/integrators/render.hpp"
+#include "core/integrators/render_plan.hpp"
 
 namespace tessera::test {
 namespace {
@@ -24,9 +25,9 @@ struct Estimate {
   double mean = 0, variance_of_mean = 0;
 };
 
-std::vector<double> region_means(const Scene& scene, const RenderSettings& settings) {
-  const std::uint32_t spp = settings.spp;
-  const FilmTile tile = render(prepare(scene, settings, 2), {0, 0, kSidePx, kSidePx}, {0, spp}, 2);
+std::vector<double> region_means(const RenderPlan& plan) {
+  const std::uint32_t spp = plan.settings().spp;
+  const FilmTile tile = render(plan, {0, 0, kSidePx, kSidePx}, {0, spp}, 2);
   std::vector<double> means(kRegions);
   for (int y = 0; y < kSidePx; ++y)
     for (int x = 0; x < kSidePx; ++x)
@@ -41,10 +42,11 @@ std::vector<double> region_means(const Scene& scene, const RenderSettings& setti
 // The seeds are `first_seed` and every fourth after it.
 std::vector<Estimate> estimate(const Scene& scene, RenderSettings settings, std::uint64_t first_seed) {
   settings.width_px = settings.height_px = kSidePx;
+  const RenderPlan plan = prepare(scene, settings, 2);
   std::vector<double> sum(kRegions), sum2(kRegions);
   for (int batch = 0; batch < kBatches; ++batch) {
     settings.seed = static_cast<std::uint64_t>(batch) * 4 + first_seed;
-    const auto means = region_means(scene, settings);
+    const auto means = region_means(plan.with(settings));
     for (std::size_t r = 0; r < kRegions; ++r) {
       sum[r] += means[r];
       sum2[r] += means[r] * means[r];

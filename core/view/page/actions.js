@@ -144,8 +144,3 @@ export function jobMenu(job) {
     run: () => action.run([job]),
   }));
 }
-
-// Jobs that ended too long ago to be among the farm's events.
-export async function fetchJobs(pageToken) {
-  return get('jobs', {query: {page_size: 200, page_token: pageToken}});
-}

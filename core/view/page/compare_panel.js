@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the image with that of another job, or with a snapshot of an earlier moment: by a slider, or by
-// their difference.
+// Compares the image with that of another job, or with an earlier state of it: by a slider, or by their
+// difference.
 import {section} from './details_panel.js';
 import {toast, toastError} from './dialogs.js';
 import {field, h, icon, select, setAttribute, setHidden} from './dom.js';
-import {jobTitle, localTime, percent, shortId} from './format.js';
-import {takeSnapshot} from './image_source.js';
+import {count, jobTitle, localTime, shortId} from './format.js';
+import {KeptImages} from './kept_images.js';
 import {onStore, store} from './store.js';
 
-const kMaxSnapshots = 4;
 const kModes = [
   ['slider', 'Slider'],
   ['difference', 'Difference'],
@@ -18,7 +17,7 @@ export class ComparePanel {
   constructor(viewer, job) {
     this.viewer = viewer;
     this.job = job;
-    this.snapshots = [];
+    this.kept = new KeptImages(viewer);
     this.choice = h('select', {onchange: () => this.choose(this.choice.value)});
     this.mode = select(kModes, 'slider', (mode) => this.setMode(mode));
     this.modeField = field('Shown as', this.mode);
@@ -54,7 +53,8 @@ export class ComparePanel {
         h(
           'p.hint',
           {},
-          'A snapshot keeps the image of this moment. The difference is shown with the exposure.',
+          'While you watch, the last six moments at which the samples had doubled are kept; a snapshot keeps ' +
+            'the image as it is now. The difference is shown with the exposure.',
         ),
       ],
       {isOpen: false},
@@ -78,7 +78,7 @@ export class ComparePanel {
     );
     const options = [
       ['', 'Nothing'],
-      ...this.snapshots.map((snapshot, i) => [`snapshot ${i}`, snapshotName(snapshot)]),
+      ...this.kept.shown().map((kept) => [kept.id, keptName(kept)]),
       ...others.slice(0, 200).map((job) => [job.id, `${jobTitle(job)} (${shortId(job.id)})`]),
     ];
     const key = JSON.stringify(options);
@@ -92,13 +92,10 @@ export class ComparePanel {
   async takeSnapshot() {
     this.take.disabled = true;
     try {
-      const {gl, image} = this.viewer;
-      const snapshot = await takeSnapshot(gl, this.job, image, this.viewer.layer, AbortSignal.timeout(60000));
-      this.snapshots.unshift(snapshot);
-      this.snapshots.splice(kMaxSnapshots).forEach((old) => old.store.release());
+      const {id} = await this.kept.takeSnapshot(this.job);
       this.listChoices();
-      this.choice.value = 'snapshot 0';
-      this.choose('snapshot 0');
+      this.choice.value = id;
+      this.choose(id);
       toast('Snapshot taken');
     } catch (error) {
       toastError(error);
@@ -106,8 +103,14 @@ export class ComparePanel {
     this.take.disabled = false;
   }
 
-  forgetSnapshots() {
-    this.snapshots = [];
+  // Something of the job has changed.
+  async update(job) {
+    this.job = job;
+    if (await this.kept.keepMoment(job)) this.listChoices();
+  }
+
+  forgetKept() {
+    this.kept.forget();
     this.listChoices();
     this.choose('');
   }
@@ -118,19 +121,19 @@ export class ComparePanel {
     return this.viewer.openSource(job, image < (job.image_count ?? 1) ? image : 0);
   }
 
+  // Another image or layer is shown.
   imageChanged() {
-    if (this.viewer.other?.look) this.choose(this.choice.value);
+    this.listChoices();
+    this.choose(this.choice.value);
   }
 
   choose(value) {
-    const other = value.startsWith('snapshot ')
-      ? this.snapshots[Number(value.slice(9))]
-      : store.jobs.has(value)
-        ? this.openOther(store.jobs.get(value))
-        : null;
+    const job = store.jobs.get(value);
+    const kept = this.kept.get(value);
+    const other = kept ?? (job ? this.openOther(job) : null);
     if (!other) this.choice.value = '';
     this.viewer.setOther(other);
-    this.rightName.textContent = other?.at ? 'snapshot' : other ? jobTitle(store.jobs.get(value)) : '';
+    this.rightName.textContent = kept ? keptName(kept) : job ? jobTitle(job) : '';
     this.setMode(this.mode.value);
   }
 
@@ -186,6 +189,7 @@ export class ComparePanel {
   }
 }
 
-function snapshotName({job, at}) {
-  return `Snapshot, ${percent(job.samples_done, job.samples_total)}, ${localTime(at).slice(11)}`;
+function keptName({isMoment, spp, at}) {
+  const kind = isMoment ? 'Earlier' : 'Snapshot';
+  return `${kind}, ${count(spp)} spp, ${localTime(at).slice(11)}`;
 }

@@ -2,7 +2,7 @@
 // Beside the image: progress, settings, life and files of the job, as text.
 import {get, jobPath} from './api.js';
 import {h, setAttribute, setHidden, setText} from './dom.js';
-import {bytes, count, duration, localTime, plural, rate} from './format.js';
+import {bytes, count, duration, localTime, plural, rate, speedOf} from './format.js';
 
 export function section(title, content, {isOpen = true} = {}) {
   return h(
@@ -63,7 +63,7 @@ export class ProgressPanel {
     this.facts.update([
       ['Samples', `${count(job.samples_done)} of ${count(job.samples_total)}`],
       ['To verify', job.samples_to_verify > 0 ? count(job.samples_to_verify) : null],
-      ['Samples/s', rate(job.samples_per_second)],
+      ['Samples/s', rate(speedOf(job))],
       ['Time left', job.state === 'running' && !job.queue_position ? duration(job.seconds_left) : null],
       ['Workers', `${job.active_workers}${job.max_workers > 0 ? ` of at most ${job.max_workers}` : ''}`],
       ['Rays', rays > 0 ? count(rays) : null],

@@ -23,10 +23,10 @@ const kFigures = [
     note: (t) => `of ${t.workers}, ${plural(t.threads, 'thread')}`,
   },
   {
-    label: 'Running jobs',
+    label: 'Current jobs',
     value: (t) => t.running + t.queued,
-    text: (t) => String(t.running),
-    note: (t) => (t.queued > 0 ? `and ${t.queued} queued` : 'none queued'),
+    text: (t) => String(t.running + t.queued),
+    note: (t) => (t.queued > 0 ? `${t.queued} of them queued` : 'none queued'),
   },
 ];
 

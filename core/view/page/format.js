@@ -18,6 +18,11 @@ export function rate(value) {
   return value > 0 ? count(value) : '–';
 }
 
+// The samples per second of a job: none once it has stopped.
+export function speedOf(job) {
+  return job.state === 'running' ? job.samples_per_second : 0;
+}
+
 export function bytes(value) {
   return `${count(value)}B`;
 }

@@ -15,6 +15,7 @@ export function jobWindow(job) {
 }
 
 const regionText = ({x0, y0, x1, y1}) => `${x0},${y0},${x1},${y1}`;
+const areaOf = ({x0, y0, x1, y1}) => (x1 - x0) * (y1 - y0);
 const isEmpty = ({x0, y0, x1, y1}) => x1 <= x0 || y1 <= y0;
 const contains = (a, b) => a.x0 <= b.x0 && a.y0 <= b.y0 && b.x1 <= a.x1 && b.y1 <= a.y1;
 
@@ -46,7 +47,7 @@ export class ImageSource {
     this.covered = null; // the region whose tiles are all there, as of...
     this.revision = 0;
     this.isEnded = false; // the job is over and the image is complete
-    this.missing = new Set();
+    this.parts = []; // of `covered`: those that are still to come
     this.parked = new Map(); // {covered, revision} of other levels whose pages are still there
     this.store.dropped = (dropped) => this.parked.delete(dropped);
     this.onVisibility = () => (document.hidden ? this.stop() : this.resume());
@@ -69,7 +70,7 @@ export class ImageSource {
   look(region, level) {
     if (level === this.level && this.region && contains(this.region, region)) return;
     const wanted = this.withMargin(region);
-    if (this.missing.size > 0) this.covered = null;
+    if (this.parts.length > 0) this.covered = null;
     this.stop();
     if (level !== this.level) this.turnTo(level);
     const parts = missingParts(wanted, this.covered);
@@ -92,7 +93,7 @@ export class ImageSource {
 
   // Whether everything of a region is there at the level that was asked for.
   hasAll(region) {
-    return this.missing.size === 0 && this.covered !== null && contains(this.covered, region);
+    return this.parts.length === 0 && this.covered !== null && contains(this.covered, region);
   }
 
   // An eighth more each way, so that small movements need nothing new; aligned to blocks of the coarse pass.
@@ -126,21 +127,18 @@ export class ImageSource {
     clearTimeout(this.timer);
     this.running?.abort();
     this.running = null;
-    this.missing.clear();
   }
 
   resume() {
     if (this.running || this.isClosed || document.hidden || !this.region) return;
     this.running = new AbortController();
     const {signal} = this.running;
-    for (const part of this.parts ?? []) this.fill(part, signal);
+    for (const part of this.parts) this.fill(part, signal);
     this.follow(signal, kFirstRetry);
   }
 
   async follow(signal, retry) {
     const query = this.query(this.region, this.revision);
-    const isFirst = this.revision === 0;
-    if (isFirst) this.missing.add(this.region);
     let heard = false;
     const error = await readTiles(this.id, query, signal, (header, halves) => {
       if (signal.aborted) return;
@@ -165,7 +163,8 @@ export class ImageSource {
   caughtUp(header) {
     if (header.type === 'revision') this.revision = header.revision;
     if (header.type === 'end') this.isEnded = true;
-    if (this.missing.delete(this.region)) this.covered = this.region;
+    // A revision alone says from where to resume.
+    if (header.whole || header.type === 'end') this.covered = this.region;
     this.listener.changed();
   }
 
@@ -174,7 +173,6 @@ export class ImageSource {
     const own = new AbortController();
     const signal = AbortSignal.any([outer, own.signal]);
     const needed = this.revision;
-    this.missing.add(part);
     const query = this.query(part, 0);
     let isDone = false;
     await readTiles(this.id, query, signal, (header, halves) => {
@@ -185,7 +183,6 @@ export class ImageSource {
     }).catch(() => {});
     if (outer.aborted) return;
     if (!isDone) return void setTimeout(() => !outer.aborted && this.fill(part, outer), kFirstRetry);
-    this.missing.delete(part);
     this.parts = this.parts.filter((other) => other !== part);
     this.listener.changed();
   }
@@ -198,15 +195,15 @@ export class ImageSource {
   }
 }
 
-// A copy of the whole image at this moment, at most about four million texels: rejects if it cannot be
-// fetched.
-export async function takeSnapshot(gl, job, image, layer, signal) {
+// A copy of the whole image at this moment, at the finest level that has at most so many texels: rejects if it
+// cannot be fetched. `spp`: the samples per pixel that are in it.
+export async function takeSnapshot(gl, job, {image, layer, texels}, signal) {
   const window = jobWindow(job);
-  const pixels = (window.x1 - window.x0) * (window.y1 - window.y0);
-  const level = Math.min(6, Math.max(0, Math.ceil(Math.log2(pixels / 4.5e6) / 2)));
+  const level = Math.min(6, Math.max(0, Math.ceil(Math.log2(areaOf(window) / texels) / 2)));
   const store = new TileStore(gl, window);
   const own = new AbortController();
   const both = AbortSignal.any([signal, own.signal]);
+  const samples = new Map(); // of each tile's pixels together, by its corner
   let taken = job;
   let isDone = false;
   try {
@@ -214,16 +211,20 @@ export async function takeSnapshot(gl, job, image, layer, signal) {
     await readTiles(job.id, query, both, (header, halves) => {
       if (both.aborted) return;
       if (header.type === 'job') taken = header.job;
-      if (header.type === 'tile' && header.level === level) store.put(level, header, halves);
-      if (header.type !== 'revision' && header.type !== 'end') return;
-      isDone = true;
-      own.abort();
+      if (header.type === 'tile' && header.level === level) {
+        store.put(level, header, halves);
+        samples.set(`${header.x0},${header.y0}`, header.samples * areaOf(header));
+      }
+      isDone = header.type === 'end' || Boolean(header.whole);
+      if (isDone) own.abort();
     });
+    if (!isDone) throw new Error('The connection was lost before the image was complete.');
   } catch (error) {
     if (!isDone) {
       store.release();
       throw error;
     }
   }
-  return {store, level, job: taken, at: new Date()};
+  const spp = [...samples.values()].reduce((sum, each) => sum + each, 0) / areaOf(window);
+  return {store, level, job: taken, spp, at: new Date()};
 }

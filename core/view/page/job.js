@@ -119,6 +119,7 @@ class JobView {
     }
     if (!this.viewer) this.tryViewer();
     this.overlays?.update(this.job);
+    this.compare?.update(this.job);
   }
 
   showImage(index) {
@@ -163,7 +164,7 @@ class JobView {
       failed: (error) => {
         if (error?.status === 404) this.showMissing();
       },
-      lost: () => this.compare?.forgetSnapshots(),
+      lost: () => this.compare?.forgetKept(),
     });
     setAttribute(
       this.viewer.element,
@@ -172,7 +173,10 @@ class JobView {
         'pixels. Arrow keys pan, plus and minus zoom, Shift with arrow keys reads pixels.',
     );
     this.readout = new Readout(this.viewer, this.id);
-    this.display = new DisplayPanel(this.viewer, job, () => this.readout.imageChanged());
+    this.display = new DisplayPanel(this.viewer, job, () => {
+      this.readout.imageChanged();
+      this.compare.imageChanged();
+    });
     this.overlays = new OverlayPanel(this.viewer, job);
     this.compare = new ComparePanel(this.viewer, job);
     setHidden(this.message, true);

@@ -5,7 +5,7 @@ import {jobMenu, kActions} from './actions.js';
 import {jobPath, url} from './api.js';
 import {guarded, menuButton, setReason} from './dialogs.js';
 import {h, icon, setAttribute, setText, svg} from './dom.js';
-import {ago, jobTitle, localTime, percent, rate, shortId, shownState, timeLeft} from './format.js';
+import {ago, jobTitle, localTime, percent, rate, shortId, shownState, speedOf, timeLeft} from './format.js';
 import {store} from './store.js';
 
 const kThumbnailPx = 112;
@@ -145,7 +145,7 @@ export class JobRow {
     setAttribute(this.progress.element, 'aria-label', `Progress of ${title}`);
     this.progress.update(job);
     setText(this.left, timeLeft(job));
-    setText(this.rate, rate(job.samples_per_second));
+    setText(this.rate, rate(speedOf(job)));
     setText(this.owner, job.owner || '–');
     setAttribute(this.owner, 'title', job.owner || null);
     setText(this.priority, String(job.priority));

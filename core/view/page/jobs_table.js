@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The table of jobs: search, filter, sort, select, and actions on one or several.
 import {whyNotAll} from './access.js';
-import {fetchJobs, kActions} from './actions.js';
+import {kActions} from './actions.js';
 import {guarded, setReason, toastError} from './dialogs.js';
 import {h, icon, setAttribute, setChildren, setHidden, setText} from './dom.js';
-import {isOver, jobTitle, plural, shownState} from './format.js';
+import {isOver, jobTitle, plural, shownState, speedOf} from './format.js';
 import {JobRow} from './job_row.js';
 import {store} from './store.js';
 
@@ -24,7 +24,7 @@ const kColumns = [
   ['state', 'State', (job) => kStateOrder.indexOf(shownState(job)), 'c-state'],
   ['progress', 'Progress', (job) => -job.samples_done / (job.samples_total || 1), 'c-progress'],
   ['left', 'Time left', (job) => job.seconds_left ?? Infinity, 'c-left'],
-  ['rate', 'Samples/s', (job) => -job.samples_per_second, 'c-rate number'],
+  ['rate', 'Samples/s', (job) => -speedOf(job), 'c-rate number'],
   ['owner', 'Owner', (job) => job.owner, 'c-owner'],
   ['priority', 'Priority', (job) => -job.priority, 'c-priority number'],
   ['age', 'Submitted', (job) => -Date.parse(job.created_at), 'c-age'],
@@ -209,7 +209,7 @@ export class JobsTable {
     this.updateHead(found);
     this.updateBulk(shown);
     this.updateEmpty(found);
-    setHidden(this.more, found.length <= this.limit && this.isComplete);
+    setHidden(this.more, found.length <= this.limit && !store.hasOlderJobs);
   }
 
   row(job) {
@@ -292,16 +292,11 @@ export class JobsTable {
     this.update();
   }
 
-  // More of what is known; then what the coordinator still has of earlier days.
+  // More of what is known; then what else the coordinator has.
   async showMore() {
     this.limit += kRowsAtOnce;
     try {
-      while (!this.isComplete && this.found().length < this.limit) {
-        const page = await fetchJobs(this.pageToken);
-        for (const job of page.jobs) store.putJob(job);
-        this.pageToken = page.next_page_token;
-        this.isComplete = !page.next_page_token;
-      }
+      while (store.hasOlderJobs && this.found().length < this.limit) await store.fetchOlderJobs();
     } catch (error) {
       toastError(error);
     }

@@ -7,6 +7,7 @@ import {LiveEvents} from './live.js';
 // As the coordinator keeps it.
 const kHistorySeconds = 3 * 3600,
   kPeriodSeconds = 10;
+const kListedAtOnce = 200;
 
 class FarmStore extends EventTarget {
   constructor() {
@@ -17,6 +18,9 @@ class FarmStore extends EventTarget {
     this.server = {features: [], limits: {}};
     this.connection = 'connecting';
     this.isLoaded = false;
+    this.nextPage = ''; // of the list of jobs
+    this.hasOlderJobs = false; // whether that has jobs which are not here
+    this.startListing();
     this.history = []; // totals(): one for each period, and that of this second
     this.periodEnds = 0;
   }
@@ -39,6 +43,7 @@ class FarmStore extends EventTarget {
     this.live?.close();
     this.live = null;
     clearInterval(this.sampling);
+    this.startListing();
     this.jobs.clear();
     this.workers.clear();
     this.history = [];
@@ -56,12 +61,13 @@ class FarmStore extends EventTarget {
     if (name === 'reset') {
       this.jobs.clear();
       this.workers.clear();
+      this.fetchNewestJobs();
     } else if (name === 'jobs') {
       for (const job of data.jobs) this.putJob(job);
     } else if (name === 'workers') {
       for (const worker of data.workers) this.workers.set(worker.id, worker);
     } else if (name === 'removed') {
-      for (const id of data.jobs ?? []) this.jobs.delete(id);
+      for (const id of data.jobs ?? []) this.forgetJob(id);
       for (const id of data.workers ?? []) this.workers.delete(id);
     }
     this.isLoaded = true;
@@ -76,7 +82,35 @@ class FarmStore extends EventTarget {
     this.changed();
   }
 
+  // Events tell of unfinished jobs and of changes. Finished ones are in the list, newest first.
+  async fetchNewestJobs() {
+    this.nextPage = '';
+    this.hasOlderJobs = false;
+    // If the list cannot be had now, there may be more in it.
+    await this.fetchOlderJobs().catch(() => {
+      this.hasOlderJobs = true;
+    });
+    this.changed();
+  }
+
+  // The next page of the list.
+  async fetchOlderJobs() {
+    const listing = this.startListing();
+    const page = await get('jobs', {query: {page_size: kListedAtOnce, page_token: this.nextPage}});
+    if (listing !== this.listing) return;
+    for (const job of page.jobs) if (!listing.removed.has(job.id)) this.putJob(job);
+    this.nextPage = page.next_page_token;
+    this.hasOlderJobs = this.nextPage !== '';
+  }
+
+  // The answer to an earlier request for a page comes too late. `removed`: jobs that this one may still have.
+  startListing() {
+    this.listing = {removed: new Set()};
+    return this.listing;
+  }
+
   forgetJob(id) {
+    this.listing.removed.add(id);
     this.jobs.delete(id);
     this.changed();
   }

@@ -14,7 +14,7 @@ export const kComparisons = ['none', 'slider', 'difference'];
 
 export class Viewer {
   // listener: job(job), cursor({x, y} or null, isByKeyboard), view(), failed(error), and lost() after the
-  // graphics card has forgotten all snapshots.
+  // graphics card has forgotten all kept images.
   // `image`: the index of the image in the job.
   constructor(job, image, listener) {
     this.listener = listener;
@@ -109,7 +109,7 @@ export class Viewer {
     this.gl.getExtension('WEBGL_lose_context')?.loseContext();
   }
 
-  // Snapshots stay those of the caller; sources are closed when another is set.
+  // Kept images stay those of the caller; sources are closed when another is set.
   setOther(other) {
     this.other?.close?.();
     this.other = other;

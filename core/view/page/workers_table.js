@@ -64,7 +64,7 @@ class WorkerRow {
       cell('Threads', 'number', this.texts.threads),
       cell('Samples/s', 'number', this.texts.speed),
       cell('Leases', 'number', this.texts.leases),
-      cell('Samples accepted', 'number', this.texts.accepted),
+      cell('Accepted', 'number', this.texts.accepted),
       cell('Audits', '', this.texts.checks),
       cell('Cache', 'c-cache number', this.texts.cache),
       cell('Last seen', '', this.texts.seen),
