@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Audits: which worker may audit what, and the consequences of each outcome.
+#include "server/scheduler/auditing.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "server/scheduler/item_text.hpp"
-#include "server/scheduler/scheduler.hpp"
 
 namespace tessera::scheduler {
 namespace {
@@ -21,12 +22,12 @@ bool overlaps(const WorkItem& a, const WorkItem& b) {
 
 }  // namespace
 
-Producer Scheduler::producer_of(const SubmitResult& result) const {
-  const Worker* const known = registry_.find(result.worker);
+Producer Auditing::producer_of(const SubmitResult& result) const {
+  const Worker* const known = farm_.registry.find(result.worker);
   return known != nullptr ? known->producer() : Producer{{}, result.worker, {}, result.principal};
 }
 
-std::optional<Ruling> Scheduler::take_audit(Job& job, const SubmitResult& event, std::size_t i) {
+std::optional<Ruling> Auditing::take(Job& job, const SubmitResult& event, std::size_t i) {
   const WorkItem& item = event.items[i];
   std::vector<std::pair<WorkerId, WorkItem>> held_by_others;
   for (const LeaseId id : job.audit_leases().holding(job.audits().entry_of(item))) {
@@ -36,77 +37,71 @@ std::optional<Ruling> Scheduler::take_audit(Job& job, const SubmitResult& event,
   }
   std::vector<Lease> ended;
   std::optional<Ruling> ruling = job.audit(event.lease, item, fingerprint_of(event, i), ended);
-  forget_emptied(job, ended);
+  leases_.forget_emptied(job, ended);
   if (!ruling) return ruling;
   for (const auto& [holder, held] : held_by_others) {
-    if (overlaps(held, ruling->item)) tell_of_less({holder});
+    if (overlaps(held, ruling->item)) leases_.shorten({holder});
   }
   return ruling;
 }
 
-void Scheduler::tell_of_less(const std::vector<WorkerId>& workers) {
-  for (const WorkerId& id : workers) {
-    registry_.find(id)->shrunk = true;
-    lost_leases_.insert(id);
-  }
-}
-
-void Scheduler::follow(Job& job, const Ruling& ruling, Actions& actions) {
+void Auditing::follow(Job& job, const Ruling& ruling, Actions& actions) {
   using enum Ruling::Outcome;
   actions.reviewed_tiles.push_back({job.id(), ruling.item.tile});
   if (ruling.outcome == kContradicted) {
     actions.contradictions.push_back(
         fmt::format("{} and {} have rendered different bits of {}: a worker of a third name is to decide",
-                    called(producers_.at(ruling.producer)), called(producers_.at(ruling.auditor)),
+                    called(farm_.producers.at(ruling.producer)), called(farm_.producers.at(ruling.auditor)),
                     describe(job, ruling.item)));
-    work_appeared_ = true;
+    farm_.step.work_appeared = true;
     return;
   }
-  if (Worker* const worker = registry_.find(producers_.at(ruling.producer).worker)) ++worker->audited_ranges;
+  if (Worker* const worker = farm_.registry.find(farm_.producers.at(ruling.producer).worker))
+    ++worker->audited_ranges;
   if (ruling.outcome == kRefuted) drop_tile(job, ruling.item.tile, actions);
   for (const ProducerNumber producer : ruling.wrong) disprove(job, ruling, producer, actions);
 }
 
-void Scheduler::disprove(const Job& job, const Ruling& ruling, ProducerNumber number, Actions& actions) {
-  const Producer producer = producers_.at(number);
-  if (Worker* const worker = registry_.find(producer.worker)) ++worker->disproved_ranges;
+void Auditing::disprove(const Job& job, const Ruling& ruling, ProducerNumber number, Actions& actions) {
+  const Producer producer = farm_.producers.at(number);
+  if (Worker* const worker = farm_.registry.find(producer.worker)) ++worker->disproved_ranges;
   std::vector<std::string> others;
-  for (const ProducerNumber right : ruling.right) others.push_back(called(producers_.at(right)));
+  for (const ProducerNumber right : ruling.right) others.push_back(called(farm_.producers.at(right)));
   actions.disproved.push_back(
       {producer, fmt::format("it rendered different bits of {} than {}", describe(job, ruling.item),
                              fmt::join(others, " and "))});
-  distrust(producer, actions);
+  reviews_.distrust(producer, actions);
 }
 
 // Single samples cannot be subtracted from a film, so the whole tile is dropped.
-void Scheduler::drop_tile(Job& job, int tile, Actions& actions) {
+void Auditing::drop_tile(Job& job, int tile, Actions& actions) {
   std::vector<WorkerId> auditors;
   for (const LeaseId id : job.audit_leases().holding({tile, {0, job.shape().target(tile)}}))
     auditors.push_back(job.audit_leases().find(id)->holder);
-  tell_of_less(auditors);
+  leases_.shorten(auditors);
   std::vector<Lease> ended;
   job.drop_tile(tile, ended);
-  for (const Lease& lease : ended) forget_lease(job, lease);
+  for (const Lease& lease : ended) leases_.forget(job, lease);
   actions.dropped_tiles.push_back({job.id(), tile});
-  work_appeared_ = true;
+  farm_.step.work_appeared = true;
 }
 
-Worker* Scheduler::on(const DropTile& event, Actions& actions) {
-  Job* const job = find_or_refuse(event.id, actions);
+Worker* Auditing::on(const DropTile& event, Actions& actions) {
+  Job* const job = jobs_.find_or_refuse(event.id, actions);
   if (job == nullptr || !takes_results(job->state()) || !job->has_tile(event.tile)) return nullptr;
   drop_tile(*job, event.tile, actions);
-  if (job->state() == JobState::kDone) become(*job, JobState::kRunning, actions);
+  if (job->state() == JobState::kDone) jobs_.become(*job, JobState::kRunning, actions);
   return nullptr;
 }
 
-void Scheduler::restore_producers(Job& job, const std::vector<ProducedItem>& provenance) {
+void Auditing::restore_producers(Job& job, const std::vector<ProducedItem>& provenance) {
   std::map<int, IntervalSet> known;
   for (const ProducedItem& each : provenance) {
     const WorkItem& item = each.item;
     if (!job.has(item) || !job.done(item.tile).contains(item.samples)) continue;
     if (known[item.tile].intersects(item.samples)) continue;
     known[item.tile].add(item.samples);
-    job.note_producer(item, producers_.number(each.producer), each.fingerprint, each.due);
+    job.note_producer(item, farm_.producers.number(each.producer), each.fingerprint, each.due);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "server/scheduler/auditors.hpp"
 #include "server/scheduler/check.hpp"
 
 namespace tessera::scheduler {
@@ -15,10 +16,10 @@ std::optional<std::string> Invariants::check(CheckDepth depth) const {
   if (const auto wrong = check_some(cursor, std::numeric_limits<std::size_t>::max())) return wrong;
   if (const auto wrong = check_sums()) return wrong;
   if (depth == CheckDepth::kCounters) return std::nullopt;
-  for (const auto& [number, job] : farm_.jobs_) {
+  for (const auto& [number, job] : farm_.jobs) {
     if (const auto wrong = job.check_samples()) return fmt::format("job {}: {}", job.id().value, *wrong);
   }
-  for (const auto& [id, worker] : farm_.registry_.all()) {
+  for (const auto& [id, worker] : farm_.registry.all()) {
     if (const auto wrong = check_every_job(worker)) return wrong;
     if (const auto wrong = check_choice(worker)) return wrong;
   }
@@ -36,8 +37,8 @@ std::optional<std::string> Invariants::check_some(CheckCursor& cursor, std::size
 std::optional<std::string> Invariants::check_next(CheckCursor& cursor, std::size_t& left) const {
   using enum CheckCursor::Of;
   if (cursor.of == kWorkers) return check_workers(cursor, left);
-  const auto job = farm_.jobs_.lower_bound(cursor.job);
-  if (job == farm_.jobs_.end()) {
+  const auto job = farm_.jobs.lower_bound(cursor.job);
+  if (job == farm_.jobs.end()) {
     cursor.of = kWorkers;
     return std::nullopt;
   }
@@ -66,7 +67,7 @@ std::optional<std::string> Invariants::check_leases(const Job& job, CheckCursor&
 }
 
 std::optional<std::string> Invariants::check_workers(CheckCursor& cursor, std::size_t& left) const {
-  for (auto next = farm_.registry_.all().lower_bound(cursor.worker); next != farm_.registry_.all().end();
+  for (auto next = farm_.registry.all().lower_bound(cursor.worker); next != farm_.registry.all().end();
        ++next) {
     if (left == 0) return std::nullopt;
     --left;
@@ -85,25 +86,25 @@ std::optional<std::string> Invariants::check_job(const Job& job) const {
     return std::optional(fmt::format("job {}: {}", job.id().value, what));
   };
   if (const auto broken = job.check()) return wrong(*broken);
-  const bool reviewed = !farm_.reviews_.contains(job.number());
+  const bool reviewed = !farm_.reviews.contains(job.number());
   if (job.state() == JobState::kDone && reviewed && job.to_verify() > 0)
     return wrong(fmt::format("done, but has {} samples to verify", job.to_verify()));
   if (job.state() == JobState::kRunning && farm_.settled(job)) return wrong("lacks nothing, but is not done");
-  const auto run = farm_.runs_.find(job.run());
-  if (run == farm_.runs_.end() || run->second != job.number()) return wrong("its run is not listed");
-  if (farm_.work_.entry_of(job.number()) != WorkIndex::entry_for(job, farm_.producers_))
+  const auto run = farm_.runs.find(job.run());
+  if (run == farm_.runs.end() || run->second != job.number()) return wrong("its run is not listed");
+  if (farm_.work.entry_of(job.number()) != WorkIndex::entry_for(job, farm_.producers))
     return wrong(fmt::format("{}, and its work is listed otherwise", job_state_name(job.state())));
-  if (!farm_.job_totals_.counts(job.number(), JobTotals::share_of(job)))
+  if (!farm_.job_totals.counts(job.number(), JobTotals::share_of(job)))
     return wrong("is not counted as it is");
-  if (farm_.audit_waits_.contains(job.number()) != farm_.lacks_only_lots(job))
+  if (farm_.audit_waits.contains(job.number()) != lacks_only_lots(job))
     return wrong("waits for auditors, and is listed otherwise");
   return std::nullopt;
 }
 
 std::optional<std::string> Invariants::check_lease(const Job& job, const Lease& lease) const {
   if (const auto broken = job.check_lease(lease)) return fmt::format("job {}: {}", job.id().value, *broken);
-  const Worker* const holder = farm_.registry_.find(lease.holder);
-  if (holder == nullptr || !holder->holds(lease.id) || !farm_.live_leases_.contains(lease.id))
+  const Worker* const holder = farm_.registry.find(lease.holder);
+  if (holder == nullptr || !holder->holds(lease.id) || !farm_.live_leases.contains(lease.id))
     return fmt::format("job {}: lease {} is not in its holder's entry", job.id().value, lease.id.value);
   return std::nullopt;
 }
@@ -114,8 +115,8 @@ std::optional<std::string> Invariants::check_worker(const Worker& worker) const 
   const bool silent = worker.state() == WorkerState::kSilent;
   if ((silent || worker.stuck) && !worker.leases.empty())
     return fmt::format("worker {} is {}, but holds leases", id, silent ? "silent" : "stuck");
-  const bool has_been_expired = farm_.left_.expired_workers > 0;
-  if (!silent && has_been_expired && farm_.registry_.deadline(worker) <= farm_.now_)
+  const bool has_been_expired = farm_.step.left.expired_workers > 0;
+  if (!silent && has_been_expired && farm_.registry.deadline(worker) <= farm_.now)
     return fmt::format("worker {} is overdue", id);
   if (worker.leases.size() > static_cast<std::size_t>(kMaxLeasesPerWorker))
     return fmt::format("worker {} holds {} leases", id, worker.leases.size());
@@ -135,15 +136,15 @@ std::optional<std::string> Invariants::check_worker(const Worker& worker) const 
 
 std::optional<std::string> Invariants::check_held(const Worker& worker, const HeldLease& held) const {
   const std::string& id = worker.info.id.value;
-  if (farm_.ended_runs_.contains(held.run)) return std::nullopt;
-  const auto job = farm_.jobs_.find(held.number);
-  const Lease* const lease = job == farm_.jobs_.end() ? nullptr : job->second.find_lease(held.id);
+  if (farm_.ended_runs.contains(held.run)) return std::nullopt;
+  const auto job = farm_.jobs.find(held.number);
+  const Lease* const lease = job == farm_.jobs.end() ? nullptr : job->second.find_lease(held.id);
   if (lease == nullptr || lease->holder != worker.info.id)
     return fmt::format("worker {} holds lease {}, which is not its own", id, held.id.value);
   if (lease->state == LeaseState::kHeld && !worker.reported.contains(held.id))
     return fmt::format("worker {} does not report lease {}, which is held", id, held.id.value);
   const Effort* const effort = worker.effort(held.run);
-  if (effort == nullptr || effort->in_cooldown(farm_.now_))
+  if (effort == nullptr || effort->in_cooldown(farm_.now))
     return fmt::format("worker {} holds lease {} of a job it is given none of", id, held.id.value);
   return std::nullopt;
 }
@@ -151,46 +152,48 @@ std::optional<std::string> Invariants::check_held(const Worker& worker, const He
 // No idle worker waits while there is work for it. The end of a cooldown wakes nobody.
 std::optional<std::string> Invariants::check_idle(const Worker& worker) const {
   const bool is_idle = worker.waiting && worker.room() > 0 && worker.leases.empty();
-  if (!is_idle || farm_.waiting_.in_wave()) return std::nullopt;
+  if (!is_idle || farm_.waiting.in_wave()) return std::nullopt;
   const auto takes = [&](JobNumber number) {
-    const Job& job = farm_.jobs_.at(number);
-    return farm_.may_take(worker, job) && !worker.has_stalled(job.run());
+    const Job& job = farm_.jobs.at(number);
+    return eligibility_.may_take(worker, job) && !worker.has_stalled(job.run());
   };
   const auto audits = [&](JobNumber number) {
-    return takes(number) && farm_.can_audit(farm_.jobs_.at(number), worker);
+    return takes(number) && eligibility_.can_audit(farm_.jobs.at(number), worker);
   };
-  std::optional<JobNumber> job = farm_.work_.free().first(farm_.virtual_time_, kNoIdentity, takes);
-  const IdentityNumber identity = farm_.producers_.identity(worker.producer());
-  if (!job && !farm_.producers_.is_distrusted(worker.producer()))
-    job = farm_.work_.audits().first(farm_.virtual_time_, identity, audits);
+  std::optional<JobNumber> job = farm_.work.free().first(farm_.virtual_time, kNoIdentity, takes);
+  const IdentityNumber identity = farm_.producers.identity(worker.producer());
+  if (!job && !farm_.producers.is_distrusted(worker.producer()))
+    job = farm_.work.audits().first(farm_.virtual_time, identity, audits);
   if (!job) return std::nullopt;
   return fmt::format("worker {} waits, but job {} has {}", worker.info.id.value,
-                     farm_.jobs_.at(*job).id().value,
-                     farm_.jobs_.at(*job).free() > 0 ? "free samples" : "samples that it could verify");
+                     farm_.jobs.at(*job).id().value,
+                     farm_.jobs.at(*job).free() > 0 ? "free samples" : "samples that it could verify");
 }
 
 std::optional<std::string> Invariants::check_sums() const {
   std::size_t held_by_workers = 0, held_of_jobs = 0;
   std::map<Capabilities, int> active;
   Totals counted;
-  for (const auto& [number, job] : farm_.jobs_) {
+  for (const auto& [number, job] : farm_.jobs) {
     held_of_jobs += job.lease_count();
     ++counted.jobs[static_cast<std::size_t>(job.state())];
   }
-  for (const auto& [run, ended] : farm_.ended_runs_)
+  for (const auto& [run, ended] : farm_.ended_runs)
     held_of_jobs += ended.leases.all().size() + ended.audit_leases.all().size();
-  for (const auto& [id, worker] : farm_.registry_.all()) {
+  for (const auto& [id, worker] : farm_.registry.all()) {
     if (worker.takes_leases()) ++active[worker.info.capabilities];
     ++counted.workers[static_cast<std::size_t>(worker.activity())];
     held_by_workers += worker.leases.size();
   }
-  if (held_by_workers != held_of_jobs || farm_.live_leases_.size() != held_of_jobs) {
+  if (held_by_workers != held_of_jobs || farm_.live_leases.size() != held_of_jobs) {
     return fmt::format("jobs have {} leases, workers {}, and {} are live", held_of_jobs, held_by_workers,
-                       farm_.live_leases_.size());
+                       farm_.live_leases.size());
   }
-  if (active != farm_.registry_.active_by_capabilities())
+  if (active != farm_.registry.active_by_capabilities())
     return "the workers that take leases are counted wrongly";
-  const Totals kept = farm_.totals(farm_.now_);
+  Totals kept;
+  kept.workers = farm_.registry.activities();
+  farm_.job_totals.write_to(kept);
   if (kept.jobs != counted.jobs || kept.workers != counted.workers)
     return "the totals of jobs by state or workers by activity are wrong";
   return std::nullopt;
@@ -198,20 +201,21 @@ std::optional<std::string> Invariants::check_sums() const {
 
 // Like check_idle(), but looks at every job, and for copies as well.
 std::optional<std::string> Invariants::check_every_job(const Worker& worker) const {
-  if (!worker.waiting || worker.room() <= 0 || !worker.leases.empty() || farm_.waiting_.in_wave())
+  if (!worker.waiting || worker.room() <= 0 || !worker.leases.empty() || farm_.waiting.in_wave())
     return std::nullopt;
   const std::string& id = worker.info.id.value;
-  for (const auto& [number, job] : farm_.jobs_) {
-    if (job.state() != JobState::kRunning || !farm_.may_take(worker, job) || worker.has_stalled(job.run()))
+  for (const auto& [number, job] : farm_.jobs) {
+    if (job.state() != JobState::kRunning || !eligibility_.may_take(worker, job) ||
+        worker.has_stalled(job.run()))
       continue;
     if (job.free() > 0)
       return fmt::format("worker {} waits, but job {} has free samples", id, job.id().value);
-    if (farm_.can_audit(job, worker))
+    if (eligibility_.can_audit(job, worker))
       return fmt::format("worker {} waits, but could verify samples of job {}", id, job.id().value);
     // The expiry of a refusal wakes nobody.
     const JobNotes* const notes = worker.notes.find(job.run());
     if (notes != nullptr && notes->refused) continue;
-    if (job.has_copies_to_give() || !farm_.audit_copy(job, worker).items.empty())
+    if (job.has_copies_to_give() || !eligibility_.audit_copy(job, worker).items.empty())
       return fmt::format("worker {} waits, but could be given copies of job {}", id, job.id().value);
   }
   return std::nullopt;
@@ -220,7 +224,8 @@ std::optional<std::string> Invariants::check_every_job(const Worker& worker) con
 // The indexes choose the job that choose_job() chooses of all.
 std::optional<std::string> Invariants::check_choice(const Worker& worker) const {
   for (const bool also_refused : {false, true}) {
-    const auto by_index = farm_.chosen(worker, also_refused), of_all = chosen_of_all(worker, also_refused);
+    const auto by_index = eligibility_.chosen(worker, also_refused),
+               of_all = chosen_of_all(worker, also_refused);
     if (by_index != of_all)
       return fmt::format("worker {} is given leases of job {} (0: none) instead of {}", worker.info.id.value,
                          by_index.value_or(0), of_all.value_or(0));
@@ -230,21 +235,21 @@ std::optional<std::string> Invariants::check_choice(const Worker& worker) const 
 
 std::optional<JobNumber> Invariants::chosen_of_all(const Worker& worker, bool also_refused) const {
   std::vector<JobNumber> candidates;
-  for (const auto& [number, job] : farm_.jobs_) {
+  for (const auto& [number, job] : farm_.jobs) {
     const bool has_work =
-        job.state() == JobState::kRunning && (job.free() > 0 || farm_.can_audit(job, worker));
-    if (has_work && farm_.can_be_given(worker, job, also_refused)) candidates.push_back(number);
+        job.state() == JobState::kRunning && (job.free() > 0 || eligibility_.can_audit(job, worker));
+    if (has_work && eligibility_.can_be_given(worker, job, also_refused)) candidates.push_back(number);
   }
   if (candidates.empty()) return std::nullopt;
-  return candidates[choose_job(farm_.snapshots(candidates))];
+  return candidates[choose_job(eligibility_.snapshots(candidates))];
 }
 
-std::optional<std::string> FarmState::check_invariants(CheckDepth depth) const {
-  return Invariants(*this).check(depth);
+std::optional<std::string> FarmView::check_invariants(CheckDepth depth) const {
+  return Invariants(farm_).check(depth);
 }
 
-std::optional<std::string> FarmState::check_some(CheckCursor& cursor, std::size_t most) const {
-  return Invariants(*this).check_some(cursor, most);
+std::optional<std::string> FarmView::check_some(CheckCursor& cursor, std::size_t most) const {
+  return Invariants(farm_).check_some(cursor, most);
 }
 
 }  // namespace tessera::scheduler

@@ -6,15 +6,16 @@
 #include <optional>
 #include <string>
 
-#include "server/scheduler/farm_state.hpp"
+#include "server/scheduler/eligibility.hpp"
+#include "server/scheduler/farm_view.hpp"
 
 namespace tessera::scheduler {
 
 class Invariants {
  public:
-  explicit Invariants(const FarmState& farm) : farm_(farm) {}
+  explicit Invariants(const FarmState& farm) : farm_(farm), eligibility_(farm) {}
 
-  // See FarmState::check_invariants() and check_some().
+  // See FarmView::check_invariants() and check_some().
   std::optional<std::string> check(CheckDepth depth) const;
   std::optional<std::string> check_some(CheckCursor& cursor, std::size_t most) const;
 
@@ -33,6 +34,7 @@ class Invariants {
   std::optional<JobNumber> chosen_of_all(const Worker& worker, bool also_refused) const;
 
   const FarmState& farm_;
+  const Eligibility eligibility_;
 };
 
 }  // namespace tessera::scheduler

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Results of workers.
+#include "server/scheduler/results.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "server/scheduler/changes.hpp"
-#include "server/scheduler/scheduler.hpp"
 
 namespace tessera::scheduler {
 namespace {
@@ -23,8 +24,8 @@ void drop_what_was_dropped(const SubmitResult& event, Actions& actions) {
 
 }  // namespace
 
-Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
-  Job* const job = find(event.job);
+Worker* Results::on(const SubmitResult& event, Actions& actions) {
+  Job* const job = farm_.find(event.job);
   if (job == nullptr || !takes_results(job->state())) {
     actions.verdicts.assign(event.items.size(), Verdict::kDropped);
     return nullptr;
@@ -32,9 +33,9 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
   actions.status = validate(*job, event);
   if (!actions.status) return nullptr;
 
-  withdraw_strikes_if_lost(event.worker);
+  losses_.withdraw_strikes(event.worker);
   measure(*job, event);
-  const Producer producer = producer_of(event);
+  const Producer producer = auditing_.producer_of(event);
   std::vector<Lease> ended;
   std::vector<Ruling> rulings;
   std::uint64_t accepted_samples = 0, audited_samples = 0;
@@ -43,7 +44,7 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
     if (job->is_audit(event.lease, item)) {
       actions.verdicts.push_back(Verdict::kAudited);
       audited_samples += job->pixel_samples(item);
-      if (auto ruling = take_audit(*job, event, i)) rulings.push_back(std::move(*ruling));
+      if (auto ruling = auditing_.take(*job, event, i)) rulings.push_back(std::move(*ruling));
       continue;
     }
     const bool fits = job->has(item);
@@ -55,62 +56,62 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
     job->set_determinism_fingerprint(event.determinism_fingerprint);
     note_producer(*job, item, producer, fingerprint_of(event, i));
   }
-  forget_emptied(*job, ended);
-  for (const Ruling& ruling : rulings) follow(*job, ruling, actions);
+  leases_.forget_emptied(*job, ended);
+  for (const Ruling& ruling : rulings) auditing_.follow(*job, ruling, actions);
   drop_what_was_dropped(event, actions);
 
   note_counted(*job, event, accepted_samples, audited_samples, actions);
   const Lease* const lease = job->find_lease(event.lease);
   if (lease != nullptr && lease->holder == event.worker) {
-    if (event.lease_finished) end_lease(*job, event.lease, LeaseState::kReturned);
+    if (event.lease_finished) leases_.end(*job, event.lease, LeaseState::kReturned);
     if (!event.decline_reason.empty()) note_refusal(*job, event, actions);
   }
-  if (settled(*job) && job->state() == JobState::kRunning) become(*job, JobState::kDone, actions);
-  Worker* const worker = registry_.find(event.worker);
+  if (farm_.settled(*job) && job->state() == JobState::kRunning) jobs_.become(*job, JobState::kDone, actions);
+  Worker* const worker = farm_.registry.find(event.worker);
   if (worker == nullptr) return nullptr;
-  revoke_ended(*worker);
+  leases_.revoke_ended(*worker);
   return takes_with_answer(*worker, event) ? worker : nullptr;
 }
 
 // Results of its other leases wait behind this one.
-Worker* Scheduler::on(const DeferResult& event, Actions&) {
-  Worker* const worker = registry_.find(event.worker);
+Worker* Results::on(const DeferResult& event, Actions&) {
+  Worker* const worker = farm_.registry.find(event.worker);
   if (worker == nullptr || !worker->holds(event.lease)) return nullptr;
   for (const HeldLease& held : worker->leases)
-    effort(*worker, jobs_.at(held.number)).no_progress_since = now_;
+    leases_.effort(*worker, farm_.jobs.at(held.number)).no_progress_since = farm_.now;
   return nullptr;
 }
 
-void Scheduler::note_counted(Job& job, const SubmitResult& event, std::uint64_t accepted,
-                             std::uint64_t audited, Actions& actions) {
-  counts_.accepted_samples += accepted;
-  rate_.add(static_cast<double>(accepted), now_);
-  job.rate.add(static_cast<double>(accepted), now_);
-  Worker* const worker = registry_.find(event.worker);
+void Results::note_counted(Job& job, const SubmitResult& event, std::uint64_t accepted, std::uint64_t audited,
+                           Actions& actions) {
+  farm_.counts.accepted_samples += accepted;
+  farm_.rate.add(static_cast<double>(accepted), farm_.now);
+  job.rate.add(static_cast<double>(accepted), farm_.now);
+  Worker* const worker = farm_.registry.find(event.worker);
   if (worker == nullptr) return;
   worker->samples_accepted += accepted;
-  worker->rate.add(static_cast<double>(accepted), now_);
+  worker->rate.add(static_cast<double>(accepted), farm_.now);
   if (accepted + audited == 0) return;
-  progressed_workers_.insert(event.worker);
+  farm_.step.progressed_workers.insert(event.worker);
   if (worker->has_stalled(job.run())) {
-    work_appeared_ = true;  // for this worker
+    farm_.step.work_appeared = true;  // for this worker
     job.note_progress(event.worker);
     note_change(actions.changed_workers, event.worker);
   }
-  registry_.has_delivered(worker->info.name);
-  effort(*worker, job) = {.no_progress_since = now_};
+  farm_.registry.has_delivered(worker->info.name);
+  leases_.effort(*worker, job) = {.no_progress_since = farm_.now};
 }
 
 // A worker that holds nothing else is served by its Synchronize: samples that may kill a worker are leased
 // only to such workers, and the scheduler must know whether they received them. The same holds for all
 // workers if an idle worker waits for samples that have become free.
-bool Scheduler::takes_with_answer(const Worker& worker, const SubmitResult& event) const {
+bool Results::takes_with_answer(const Worker& worker, const SubmitResult& event) const {
   if (!worker.waiting || event.held.empty() || has_lost(worker, event)) return false;
   const bool was_not_told = worker.leases.size() > event.held.size();
-  return (worker.room() > 0 || was_not_told) && !(work_appeared_ && waiting_.any_idle());
+  return (worker.room() > 0 || was_not_told) && !(farm_.step.work_appeared && farm_.waiting.any_idle());
 }
 
-bool Scheduler::has_lost(const Worker& worker, const SubmitResult& event) {
+bool Results::has_lost(const Worker& worker, const SubmitResult& event) {
   const auto is_held = [&](LeaseId id) { return worker.holds(id); };
   const auto is_held_or_ended_by_this = [&](LeaseId id) { return id == event.lease || is_held(id); };
   return worker.shrunk || is_held(event.lease) ||
@@ -118,26 +119,27 @@ bool Scheduler::has_lost(const Worker& worker, const SubmitResult& event) {
          !std::all_of(worker.reported.begin(), worker.reported.end(), is_held_or_ended_by_this);
 }
 
-void Scheduler::note_producer(Job& job, const WorkItem& item, const Producer& producer,
-                              const Fingerprint& fingerprint) {
+void Results::note_producer(Job& job, const WorkItem& item, const Producer& producer,
+                            const Fingerprint& fingerprint) {
   Due due = Due::kNo;
-  if (chosen_for_audit(options_.audit_share, options_.audit_secret, job.id(), item)) due = Due::kChosen;
-  if (producers_.is_distrusted(producer)) due = Due::kDoubted;
-  job.note_producer(item, producers_.number(producer), fingerprint, due);
-  if (due != Due::kNo) work_appeared_ = true;
+  if (chosen_for_audit(farm_.options.audit_share, farm_.options.audit_secret, job.id(), item))
+    due = Due::kChosen;
+  if (farm_.producers.is_distrusted(producer)) due = Due::kDoubted;
+  job.note_producer(item, farm_.producers.number(producer), fingerprint, due);
+  if (due != Due::kNo) farm_.step.work_appeared = true;
 }
 
-void Scheduler::spare_others(const Job& job, const WorkItem& item, const WorkerId& deliverer) {
+void Results::spare_others(const Job& job, const WorkItem& item, const WorkerId& deliverer) {
   if (job.done(item.tile).intersects(item.samples)) return;  // it will be rejected
   for (const LeaseId id : job.leases().holding(item)) {
     const Lease& lease = *job.leases().find(id);
-    if (lease.holder != deliverer) tell_of_less({lease.holder});
+    if (lease.holder != deliverer) leases_.shorten({lease.holder});
   }
 }
 
-core::Status Scheduler::validate_lease(const Job& job, const SubmitResult& event) const {
-  const bool never_given = event.lease == LeaseId{} || event.lease > last_lease_id_;
-  const bool proved = event.token == options_.sign(event.lease, event.worker, event.job);
+core::Status Results::validate_lease(const Job& job, const SubmitResult& event) const {
+  const bool never_given = event.lease == LeaseId{} || event.lease > farm_.last_lease_id;
+  const bool proved = event.token == farm_.options.sign(event.lease, event.worker, event.job);
   const Lease* const lease = job.find_lease(event.lease);
   if (!never_given && proved && (lease == nullptr || lease->holder == event.worker)) return {};
   return core::fail(
@@ -146,13 +148,13 @@ core::Status Scheduler::validate_lease(const Job& job, const SubmitResult& event
                   event.lease.value, never_given ? "never given" : "not given to this worker"));
 }
 
-bool Scheduler::was_extended_before(const Job& job, LeaseId lease, const WorkItem& item) const {
-  const bool of_earlier_run = lease.value >> kLeaseCounterBits < options_.epoch;
+bool Results::was_extended_before(const Job& job, LeaseId lease, const WorkItem& item) const {
+  const bool of_earlier_run = lease.value >> kLeaseCounterBits < farm_.options.epoch;
   return of_earlier_run && job.has_tile(item.tile) && !item.samples.empty() &&
          item.samples.end > job.shape().target(item.tile);
 }
 
-core::Status Scheduler::validate(const Job& job, const SubmitResult& event) const {
+core::Status Results::validate(const Job& job, const SubmitResult& event) const {
   if (auto valid = validate_lease(job, event); !valid) return valid;
   for (const WorkItem& item : event.items) {
     if (job.has(item) || was_extended_before(job, event.lease, item)) continue;
@@ -168,10 +170,10 @@ core::Status Scheduler::validate(const Job& job, const SubmitResult& event) cons
 }
 
 // Updates the estimates of the worker's speed and the job's cost, also from dropped results.
-void Scheduler::measure(Job& job, const SubmitResult& event) {
-  Worker* const worker = registry_.find(event.worker);
+void Results::measure(Job& job, const SubmitResult& event) {
+  Worker* const worker = farm_.registry.find(event.worker);
   if (worker == nullptr) return;
-  worker->last_seen = now_;
+  worker->last_seen = farm_.now;
   std::uint64_t samples = 0;
   double mean_samples = 0;
   for (const WorkItem& item : event.items) {
@@ -179,7 +181,7 @@ void Scheduler::measure(Job& job, const SubmitResult& event) {
     mean_samples += job.mean_samples(item);
   }
   if (samples == 0 || !(event.render_seconds > 0) || !std::isfinite(event.render_seconds)) return;
-  JobNotes& known = notes(*worker, job);
+  JobNotes& known = leases_.notes(*worker, job);
   if (known.mean_speed) job.learn_costs(event.items, *known.mean_speed * event.render_seconds);
   measure_speed(known.speed, static_cast<double>(samples), event.render_seconds);
   measure_speed(known.mean_speed, mean_samples, event.render_seconds);
@@ -188,17 +190,18 @@ void Scheduler::measure(Job& job, const SubmitResult& event) {
 }
 
 // A worker that cannot build the scene.
-void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actions) {
-  Worker& worker = *registry_.find(event.worker);
-  std::optional<Time>& refused = notes(worker, job).refused;
+void Results::note_refusal(Job& job, const SubmitResult& event, Actions& actions) {
+  Worker& worker = *farm_.registry.find(event.worker);
+  std::optional<Time>& refused = leases_.notes(worker, job).refused;
   if (refused) worker.refusals.erase({*refused, job.run()});
-  refused = now_;
-  worker.refusals.insert({now_, job.run()});
-  waiting_.update(worker);
+  refused = farm_.now;
+  worker.refusals.insert({farm_.now, job.run()});
+  farm_.waiting.update(worker);
   job.note_refuser(event.worker);
-  const auto failure = job.decline_reason({event.worker, worker.info.name, worker.info.origin},
-                                          event.decline_reason, are_all_names(job), are_all_principals(job));
-  if (failure) fail(job, *failure, actions);
+  const auto failure =
+      job.decline_reason({event.worker, worker.info.name, worker.info.origin}, event.decline_reason,
+                         quorum_.are_all_names(job), quorum_.are_all_principals(job));
+  if (failure) jobs_.fail(job, *failure, actions);
 }
 
 }  // namespace tessera::scheduler

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stalled workers, which send heartbeats but deliver nothing: they keep no lease for ever, and samples that
-// never end keep only a few workers.
+#include "server/scheduler/stalls.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
-#include <string>
-#include <vector>
 
 #include "server/scheduler/changes.hpp"
 #include "server/scheduler/item_text.hpp"
-#include "server/scheduler/scheduler.hpp"
 
 namespace tessera::scheduler {
 namespace {
@@ -32,37 +28,39 @@ std::vector<WorkItem> parts_in(const WorkItem& piece, const std::vector<WorkItem
 
 }  // namespace
 
-void Scheduler::end_stalled_leases(Worker& worker, Actions& actions) {
+void Stalls::end_stalled_leases(Worker& worker, Actions& actions) {
   const std::set<JobId> stalled = stalled_jobs(worker);
   if (stalled.empty()) return;
-  registry_.set_stuck(worker, what_keeps(worker, stalled));
+  farm_.registry.set_stuck(worker, what_keeps(worker, stalled));
   for (const JobId& job : stalled) stall(worker, job, actions);
   if (worker.stuck) {
     // The worker cannot make progress on its other leases either.
     for (const HeldLease& held : std::vector<HeldLease>(worker.leases))
-      end_lease(at(held.number), held.id, LeaseState::kStalled);
+      leases_.end(farm_.at(held.number), held.id, LeaseState::kStalled);
     strike_stuck_ranges(worker, actions);
   }
-  for (const JobId& job : stalled) give_up_if_nobody_gets_on(*find(job), actions);
+  for (const JobId& job : stalled) give_up_if_nobody_gets_on(*farm_.find(job), actions);
 }
 
-void Scheduler::give_up_if_nobody_gets_on(Job& job, Actions& actions) {
+void Stalls::give_up_if_nobody_gets_on(Job& job, Actions& actions) {
   if (!may_become(job.state(), JobState::kFailed)) return;
-  if (const auto failure = job.nobody_gets_on(are_all_principals(job))) fail(job, *failure, actions);
+  if (const auto failure = job.nobody_gets_on(quorum_.are_all_principals(job)))
+    jobs_.fail(job, *failure, actions);
 }
 
-std::set<JobId> Scheduler::stalled_jobs(const Worker& worker) const {
+std::set<JobId> Stalls::stalled_jobs(const Worker& worker) const {
   std::set<JobId> stalled;
   for (const HeldLease& held : worker.leases) {
-    const Duration without_progress = now_ - worker.effort(held.run)->no_progress_since;
-    const bool too_long = without_progress >= patience(options_.lease_duration, 0) &&
-                          without_progress >= patience(options_.lease_duration, expected_seconds(worker));
+    const Duration without_progress = farm_.now - worker.effort(held.run)->no_progress_since;
+    const bool too_long =
+        without_progress >= patience(farm_.options.lease_duration, 0) &&
+        without_progress >= patience(farm_.options.lease_duration, eligibility_.expected_seconds(worker));
     if (too_long) stalled.insert(held.job);
   }
   return stalled;
 }
 
-std::optional<Stuck> Scheduler::what_keeps(const Worker& worker, const std::set<JobId>& stalled) const {
+std::optional<Stuck> Stalls::what_keeps(const Worker& worker, const std::set<JobId>& stalled) const {
   if (!worker.rendering) return std::nullopt;
   Stuck stuck{.rendering = *worker.rendering, .since = worker.rendering_since};
   for (const HeldLease& held : worker.leases) {
@@ -71,26 +69,26 @@ std::optional<Stuck> Scheduler::what_keeps(const Worker& worker, const std::set<
     if (!stalled.contains(held.job)) return std::nullopt;
     stuck.since = std::max(stuck.since, worker.effort(held.run)->no_progress_since);
     if (held.job == stuck.rendering.job)
-      stuck.items = parts_in(stuck.rendering.item, jobs_.at(held.number).find_lease(held.id)->items);
+      stuck.items = parts_in(stuck.rendering.item, farm_.jobs.at(held.number).find_lease(held.id)->items);
   }
   // A broken or very slow worker cannot be told from one whose samples never end. A worker of this name that
   // has delivered is neither of these, and other samples do not take an hour.
-  stuck.counts_after =
-      registry_.has_shown(worker.info.name)
-          ? patience(options_.lease_duration, expected_seconds(worker))
-          : std::max(patience(options_.lease_duration, 0),
-                     longest_patience(options_.lease_duration) - registry_.was_kept(worker.info.name));
+  stuck.counts_after = farm_.registry.has_shown(worker.info.name)
+                           ? patience(farm_.options.lease_duration, eligibility_.expected_seconds(worker))
+                           : std::max(patience(farm_.options.lease_duration, 0),
+                                      longest_patience(farm_.options.lease_duration) -
+                                          farm_.registry.was_kept(worker.info.name));
   return stuck;
 }
 
-void Scheduler::stall(Worker& worker, const JobId& id, Actions& actions) {
-  Job& job = *find(id);
-  const Duration without_progress = now_ - worker.effort(job.run())->no_progress_since;
+void Stalls::stall(Worker& worker, const JobId& id, Actions& actions) {
+  Job& job = *farm_.find(id);
+  const Duration without_progress = farm_.now - worker.effort(job.run())->no_progress_since;
   note_change(actions.changed_workers, worker.info.id);
   std::string items;
   for (const HeldLease& held : std::vector<HeldLease>(worker.leases)) {
     if (held.job != id) continue;
-    const WorkItem first = end_lease(job, held.id, LeaseState::kStalled).items.front();
+    const WorkItem first = leases_.end(job, held.id, LeaseState::kStalled).items.front();
     if (items.empty()) items = describe_item(job.shape().grid(), first);
   }
   const Duration in_cooldown = begin_cooldown(worker, job, without_progress);
@@ -111,8 +109,8 @@ void Scheduler::stall(Worker& worker, const JobId& id, Actions& actions) {
 
 // A worker that fetches a large scene is exempt once, since it may report so for ever. Repeated faults raise
 // the cooldown only of workers from which samples were accepted: the others may just be slow.
-Duration Scheduler::begin_cooldown(Worker& worker, Job& job, Duration without_progress) {
-  Effort& known = effort(worker, job);
+Duration Stalls::begin_cooldown(Worker& worker, Job& job, Duration without_progress) {
+  Effort& known = leases_.effort(worker, job);
   ++known.stalls;
   job.note_stalled(worker.info.id);
   if (worker.fetching.contains(job.id()) && !known.exempt) {
@@ -121,33 +119,34 @@ Duration Scheduler::begin_cooldown(Worker& worker, Job& job, Duration without_pr
   }
   const Duration length = cooldown_after(without_progress, worker.samples_accepted > 0 ? known.faults : 0);
   ++known.faults;
-  known.cooldown_until = now_ + length;
+  known.cooldown_until = farm_.now + length;
   return length;
 }
 
-void Scheduler::look_after_stuck(Worker& worker, Actions& actions) {
+void Stalls::look_after_stuck(Worker& worker, Actions& actions) {
   if (!worker.stuck) return;
   const Rendering& before = worker.stuck->rendering;
-  Job* const job = find(before.job);
+  Job* const job = farm_.find(before.job);
   const bool is_stuck = worker.rendering == before;
   // The tiles of a deleted job are unknown.
   const bool may_be_stuck = job == nullptr && worker.rendering && worker.rendering->lease == before.lease;
   if (is_stuck || may_be_stuck) return strike_stuck_ranges(worker, actions);
   // It was only slow.
   if (job != nullptr) job->withdraw_strikes(worker.info.id, LossKind::kStuck);
-  registry_.set_stuck(worker, std::nullopt);
+  farm_.registry.set_stuck(worker, std::nullopt);
   note_change(actions.changed_workers, worker.info.id);
 }
 
-void Scheduler::strike_stuck_ranges(Worker& worker, Actions& actions) {
+void Stalls::strike_stuck_ranges(Worker& worker, Actions& actions) {
   Stuck& stuck = *worker.stuck;
-  if (stuck.struck || now_ - stuck.since < stuck.counts_after) return;
+  if (stuck.struck || farm_.now - stuck.since < stuck.counts_after) return;
   stuck.struck = true;
-  registry_.has_to_show_again(worker.info.name);
-  Job* const job = find(stuck.rendering.job);
+  farm_.registry.has_to_show_again(worker.info.name);
+  Job* const job = farm_.find(stuck.rendering.job);
   if (job == nullptr || !may_become(job->state(), JobState::kFailed)) return;
-  const auto failure = job->strike(stuck.items, worker.loss(LossKind::kStuck), are_all_principals(*job));
-  if (failure) return fail(*job, *failure, actions);
+  const auto failure =
+      job->strike(stuck.items, worker.loss(LossKind::kStuck), quorum_.are_all_principals(*job));
+  if (failure) return jobs_.fail(*job, *failure, actions);
   give_up_if_nobody_gets_on(*job, actions);
 }
 

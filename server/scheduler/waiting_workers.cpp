@@ -11,6 +11,20 @@ void WaitingWorkers::enter(Worker& worker) {
   workers_.emplace(*worker.waiting_rank, worker.info.id);
 }
 
+void WaitingWorkers::hold(Worker& worker) {
+  worker.waiting = true;
+  if (worker.room() > 0) {
+    enter(worker);
+  } else {
+    leave(worker);
+  }
+}
+
+void WaitingWorkers::release(Worker& worker) {
+  worker.waiting = false;
+  leave(worker);
+}
+
 void WaitingWorkers::leave(Worker& worker) {
   if (worker.waiting_rank) workers_.erase(*worker.waiting_rank);
   worker.waiting_rank.reset();

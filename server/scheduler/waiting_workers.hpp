@@ -14,6 +14,11 @@ namespace tessera::scheduler {
 
 class WaitingWorkers {
  public:
+  // The worker's call waits, and is among those to wake if it could be given more.
+  void hold(Worker& worker);
+  // Its call waits no longer.
+  void release(Worker& worker);
+  // It is among those to wake.
   void enter(Worker& worker);
   // No change if it is not among them.
   void leave(Worker& worker);

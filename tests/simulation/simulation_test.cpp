@@ -4,6 +4,7 @@
 
 #include "tests/simulation/farm.hpp"
 #include "tests/simulation/kept_farm.hpp"
+#include "tests/simulation/scripted_farm.hpp"
 #include "tests/support/effort.hpp"
 
 namespace tessera::simulation {
@@ -23,6 +24,11 @@ TEST(FarmSimulation, FollowsFromItsSeed) {
 TEST(FarmSimulation, ASampleThatNeverEndsEndsItsJobAndNoOther) {
   for (std::uint64_t seed = 1; seed <= (test::kEffortDivisor == 1 ? 40 : 10); ++seed)
     EXPECT_EQ(simulate_kept_farm(seed, false).failure, std::nullopt) << "seed " << seed;
+}
+
+TEST(FarmSimulation, EveryScriptEndsAsItShould) {
+  for (std::uint64_t seed = 0; seed < 100 * kScripts * 4; seed += 100)
+    EXPECT_EQ(simulate_scripted_farm(seed, false).failure, std::nullopt) << "seed " << seed;
 }
 
 }  // namespace
