@@ -14,17 +14,18 @@ enum class RejectedFor {
   kMalformed,    // a text or an item that cannot be read, or samples that no renderer gives
   kToken,        // no proof that the lease was given to the worker
   kFilmMemory,   // no memory for more samples until a checkpoint is written
+  kMemory,       // no memory at all
   kPrincipal,    // the worker is registered by another caller
   kQuarantine,   // the worker is quarantined
   kFingerprint,  // not bit-compatible with the job
   kLease,        // items that are not of the lease or the job
 };
-inline constexpr std::size_t kRejectionReasons = 7;
+inline constexpr std::size_t kRejectionReasons = 8;
 
 // "malformed", "token", …, for labels.
 constexpr std::string_view rejection_name(RejectedFor reason) {
   constexpr std::array<std::string_view, kRejectionReasons> kNames{
-      "malformed", "token", "film_memory", "principal", "quarantine", "fingerprint", "lease"};
+      "malformed", "token", "film_memory", "memory", "principal", "quarantine", "fingerprint", "lease"};
   return kNames[static_cast<std::size_t>(reason)];
 }
 

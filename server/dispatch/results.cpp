@@ -274,6 +274,8 @@ core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::Submi
   delivery.caller = caller;
   const core::Result<Counted> counted = [&]() -> core::Result<Counted> {
     StateLock lock(farm_);
+    if (auto enough = lock.expect_memory(); !enough)
+      return core::fail(rejected(RejectedFor::kMemory, enough.error()));
     if (auto may = may_deliver(lock, request.worker_id(), caller); !may)
       return core::fail(refuse(may.error()));
     auto result = tiles ? count_result(lock, request, delivery)
@@ -351,8 +353,9 @@ core::Result<Dispatcher::Counted> Dispatcher::count_result(StateLock& lock,
   return decide(lock, *record, event, delivery);
 }
 
-// The scheduler and the film must agree. If there is no memory left for an answer, the process ends, and the
-// next start continues from the store.
+// The scheduler and the film must agree. What is allocated here is less than the memory reserve, also with
+// the offers to other workers that follow. If that is not enough, the process ends, and the next start
+// continues from the store.
 core::Result<Dispatcher::Counted> Dispatcher::decide(StateLock& lock, JobRecord& record,
                                                      const scheduler::SubmitResult& event,
                                                      Delivery& delivery) noexcept {

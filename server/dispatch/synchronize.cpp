@@ -177,22 +177,12 @@ scheduler::Synchronize event_of(const StateLock& lock, const v1::SynchronizeRequ
   return event;
 }
 
-}  // namespace
-
-void Dispatcher::synchronize(const v1::SynchronizeRequest& request, farm::SynchronizeCaller caller) {
-  const core::Status valid = check_request(request);
-  const std::vector<const v1::Lease*> held = held_leases(request);
-  const std::set<std::string> fetching = first_ids(request.fetching_job_ids(), kMaxFetchingJobs);
-  std::set<std::string> known_jobs = first_ids(request.known_job_ids(), kMaxKnownJobs);
-  scheduler::WorkerInfo info = info_of(request, caller.principal);
-  StateLock lock(farm_);
-  const core::Status admitted = valid ? admit(lock, request, info, caller.principal.peer) : valid;
-  if (!admitted) return farm::refuse(lock, caller, admitted.error());
-
+// What the scheduler and the waiting calls have of the worker must agree. Memory as for results: see
+// Dispatcher::decide().
+void decide_leases(StateLock& lock, const v1::SynchronizeRequest& request,
+                   const scheduler::Synchronize& event, farm::SynchronizeCaller caller,
+                   std::set<std::string> known_jobs) noexcept {
   note_troubles(lock, request);
-  scheduler::Synchronize event = event_of(lock, request, std::move(info), held, fetching);
-  const std::optional<farm::Drain> drain = drain_of_earlier_run(lock, request.worker_id());
-  event.draining |= drain.has_value();
   const scheduler::Actions actions = lock->scheduler.handle(event, lock.now());
   if (!actions.status) {
     lock.apply(actions);
@@ -211,6 +201,25 @@ void Dispatcher::synchronize(const v1::SynchronizeRequest& request, farm::Synchr
   lock->waiting.emplace(request.worker_id(), std::move(call));
   if (reply.changed || lacks_spec || nothing_left) farm::answer(lock, request.worker_id(), reply);
   lock.apply(actions);
+}
+
+}  // namespace
+
+void Dispatcher::synchronize(const v1::SynchronizeRequest& request, farm::SynchronizeCaller caller) {
+  const core::Status valid = check_request(request);
+  const std::vector<const v1::Lease*> held = held_leases(request);
+  const std::set<std::string> fetching = first_ids(request.fetching_job_ids(), kMaxFetchingJobs);
+  std::set<std::string> known_jobs = first_ids(request.known_job_ids(), kMaxKnownJobs);
+  scheduler::WorkerInfo info = info_of(request, caller.principal);
+  StateLock lock(farm_);
+  const core::Status possible = valid ? lock.expect_memory() : valid;
+  const core::Status admitted = possible ? admit(lock, request, info, caller.principal.peer) : possible;
+  if (!admitted) return farm::refuse(lock, caller, admitted.error());
+
+  scheduler::Synchronize event = event_of(lock, request, std::move(info), held, fetching);
+  const std::optional<farm::Drain> drain = drain_of_earlier_run(lock, request.worker_id());
+  event.draining |= drain.has_value();
+  decide_leases(lock, request, event, std::move(caller), std::move(known_jobs));
   if (drain) lock.handle(scheduler::Drain{{request.worker_id()}, true, drain->stop});
 }
 

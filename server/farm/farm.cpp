@@ -51,12 +51,11 @@ const JobRecord* State::find_job(const std::string& id) const {
   return found == jobs.end() ? nullptr : &found->second;
 }
 
-JobRecord& State::add_job(JobRecord record) {
+void State::add_job(JobRecord record) noexcept {
   const std::string id = record.spec->id();
   if (!record.request_id.empty()) job_of_request[record.request_id] = id;
   JobRecord& added = jobs.emplace(id, std::move(record)).first->second;
   set_open(added, !is_finished(scheduler.job({id}, {})->state));
-  return added;
 }
 
 std::map<std::string, JobRecord>::node_type State::remove_job(const std::string& id) {
@@ -77,7 +76,7 @@ const ValidatingJob* State::find_validating(const std::string& id) const {
   return found == validating.end() ? nullptr : &found->second;
 }
 
-ValidatingJob& State::add_validating(ValidatingJob job) {
+ValidatingJob& State::add_validating(ValidatingJob job) noexcept {
   const std::string id = job.spec->id();
   if (!job.request_id.empty()) job_of_request[job.request_id] = id;
   count_open_job(job.spec->owner(), 1);

@@ -20,6 +20,7 @@
 #include "core/base/mutex.hpp"
 #include "core/common/rate_limited_log.hpp"
 #include "server/base/duration_histogram.hpp"
+#include "server/base/memory_reserve.hpp"
 #include "server/events/event_log.hpp"
 #include "server/farm/drains.hpp"
 #include "server/farm/job_record.hpp"
@@ -73,7 +74,7 @@ struct State {
   JobRecord* find_job(const std::string& id);
   const JobRecord* find_job(const std::string& id) const;
   // Adds a job that the scheduler has.
-  JobRecord& add_job(JobRecord record);
+  void add_job(JobRecord record) noexcept;
   // Removes a job that the scheduler no longer has. The caller destroys the returned record without the lock.
   std::map<std::string, JobRecord>::node_type remove_job(const std::string& id);
   // Null if there is none.
@@ -81,7 +82,7 @@ struct State {
   const ValidatingJob* find_validating(const std::string& id) const;
   // Adds a job that is to be validated, and removes one that no longer is. The caller destroys the returned
   // job without the lock.
-  ValidatingJob& add_validating(ValidatingJob job);
+  ValidatingJob& add_validating(ValidatingJob job) noexcept;
   std::map<std::string, ValidatingJob>::node_type remove_validating(const std::string& id);
   // Counts a job toward its owner's unfinished ones, or no longer.
   void set_open(JobRecord& record, bool is_open);
@@ -130,6 +131,8 @@ class Farm {
   const base::DurationHistogram& lock_holds() const { return lock_holds_; }
   // The time from the submission of each job until its first samples were counted.
   const base::DurationHistogram& first_samples() const { return first_samples_; }
+  // What decisions under the state lock may use when memory runs out.
+  base::MemoryReserve& memory_reserve() { return memory_reserve_; }
   // What StateLock locks, for annotations.
   core::Mutex& mutex() TESSERA_RETURNS(mutex_) { return mutex_; }
 
@@ -144,6 +147,9 @@ class Farm {
   const Options options_;
   events::EventLog events_;
   base::DurationHistogram lock_holds_, first_samples_;
+  base::MemoryReserve memory_reserve_;
+  // The same for what is deferred until the lock is released, by several threads at once.
+  base::MemoryReserve deferred_reserve_;
   core::Mutex mutex_;
   State state_ TESSERA_GUARDED_BY(mutex_);
 };

@@ -11,6 +11,7 @@
 #include "core/common/log.hpp"
 #include "server/base/wall_clock.hpp"
 #include "server/farm/wire.hpp"
+#include "server/limits.hpp"
 
 namespace tessera::farm {
 
@@ -19,10 +20,20 @@ namespace {
 // Workers that are offered work under one hold of the lock, which takes some ten microseconds for each.
 constexpr std::size_t kOffersAtOnce = 16;
 
+// For an operator or another program to free some memory.
+constexpr auto kMemoryRetryDelay = std::chrono::seconds(1);
+
 }  // namespace
+
+base::MemoryReserve& StateLock::refilled_reserve(Farm& farm) {
+  farm.deferred_reserve_.refill();
+  farm.memory_reserve_.refill();
+  return farm.memory_reserve_;
+}
 
 StateLock::StateLock(Farm& farm)
     : farm_(farm),
+      reserve_(refilled_reserve(farm)),
       lock_(farm.mutex_),
       since_(farm.options_.hold_clock()),
       options_(farm.options_),
@@ -34,7 +45,15 @@ StateLock::~StateLock() {
   const std::chrono::nanoseconds held = options_.hold_clock() - since_;
   lock_.unlock();
   farm_.lock_holds_.observe(held);
+  const base::MemoryReserve::Scope without_lock(farm_.deferred_reserve_);
   for (const auto& action : later_) action();
+}
+
+core::Status StateLock::expect_memory() const {
+  if (farm_.memory_reserve_.is_full() && farm_.deferred_reserve_.is_full()) return {};
+  const core::Error error{core::ErrorCode::kResourceExhausted,
+                          "the coordinator has not enough memory for this: try again later"};
+  return core::fail(server::temporary(error, kMemoryRetryDelay));
 }
 
 void StateLock::log(spdlog::level::level_enum level, std::string line, common::LogFields fields) {
@@ -84,17 +103,25 @@ void StateLock::note_progress(ValidatingJob& job) {
   job.last_event = events_.append(events::SubjectKind::kJob, job.spec->id());
 }
 
-std::map<std::string, JobRecord>::node_type StateLock::remove_job(const std::string& id) {
+std::map<std::string, JobRecord>::node_type StateLock::remove_job(const std::string& id) noexcept {
   auto removed = state_.remove_job(id);
   events_.append_end(events::SubjectKind::kJob, id);
   return removed;
 }
 
-void StateLock::add_validating(ValidatingJob job) {
+core::Status StateLock::add_job(const scheduler::Event& event, JobRecord record) noexcept {
+  const scheduler::Actions actions = state_.scheduler.handle(event, now_);
+  if (!actions.status) return core::fail(actions.status.error());
+  state_.add_job(std::move(record));
+  apply(actions);
+  return {};
+}
+
+void StateLock::add_validating(ValidatingJob job) noexcept {
   note_progress(state_.add_validating(std::move(job)));
 }
 
-std::map<std::string, ValidatingJob>::node_type StateLock::delete_validating(const std::string& id) {
+std::map<std::string, ValidatingJob>::node_type StateLock::delete_validating(const std::string& id) noexcept {
   auto deleted = state_.remove_validating(id);
   events_.append_end(events::SubjectKind::kJob, id);
   return deleted;
@@ -108,7 +135,7 @@ void StateLock::note_worker(const std::string& id) {
   }
 }
 
-void StateLock::quarantine(const scheduler::Producer& producer, const std::string& because) {
+void StateLock::quarantine(const scheduler::Producer& producer, const std::string& because) noexcept {
   common::LogFields fields = fields_of_worker(producer.worker.value);
   if (state_.scheduler.worker_info(producer.worker) == nullptr) fields.principal = producer.principal;
   if (!state_.quarantine.add({producer, fields.principal, because, base::wall_clock_ms()})) return;
@@ -119,13 +146,13 @@ void StateLock::quarantine(const scheduler::Producer& producer, const std::strin
       std::move(fields));
 }
 
-scheduler::Actions StateLock::handle(const scheduler::Event& event) {
+scheduler::Actions StateLock::handle(const scheduler::Event& event) noexcept {
   scheduler::Actions actions = state_.scheduler.handle(event, now_);
   apply(actions);
   return actions;
 }
 
-void StateLock::apply(const scheduler::Actions& actions) {
+void StateLock::apply(const scheduler::Actions& actions) noexcept {
   std::vector<scheduler::Actions> todo{actions};
   while (!todo.empty()) {
     const scheduler::Actions next = std::move(todo.back());
@@ -157,7 +184,7 @@ void StateLock::offer_later(const std::string& worker) {
   });
 }
 
-void StateLock::continue_offers() {
+void StateLock::continue_offers() noexcept {
   while (!state_.to_offer.empty() && offered_.size() < kOffersAtOnce) {
     const std::string worker = std::move(state_.to_offer.front());
     state_.to_offer.pop_front();

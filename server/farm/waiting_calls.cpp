@@ -47,7 +47,7 @@ void refuse(StateLock& lock, SynchronizeCaller& caller, const core::Error& error
   lock.later([answer = std::move(caller.answer), error] { answer(core::fail(error)); });
 }
 
-scheduler::Actions top_up(StateLock& lock, const std::string& worker, bool answer_unchanged) {
+scheduler::Actions top_up(StateLock& lock, const std::string& worker, bool answer_unchanged) noexcept {
   const auto call = lock->waiting.find(worker);
   if (call == lock->waiting.end()) return {};
   if (call->second.caller.is_gone()) {

@@ -64,6 +64,6 @@ void answer(StateLock& lock, const std::string& worker, const scheduler::Reply& 
 void refuse(StateLock& lock, SynchronizeCaller& caller, const core::Error& error);
 // Offers new work to a worker whose call waits; `answer_unchanged`: answers the call in any case. Returns
 // what the caller must apply.
-scheduler::Actions top_up(StateLock& lock, const std::string& worker, bool answer_unchanged);
+scheduler::Actions top_up(StateLock& lock, const std::string& worker, bool answer_unchanged) noexcept;
 
 }  // namespace tessera::farm

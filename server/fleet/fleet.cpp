@@ -118,6 +118,7 @@ v1::ListQuarantineResponse Fleet::quarantine() {
 core::Status Fleet::lift(const std::string& id) {
   {
     StateLock lock(farm_);
+    if (auto enough = lock.expect_memory(); !enough) return enough;
     const std::vector<QuarantineEntry> lifted = lock->quarantine.lift(id);
     if (lifted.empty())
       return core::fail(
@@ -165,6 +166,7 @@ core::Result<v1::DrainWorkerResponse> Fleet::drain(const v1::DrainWorkerRequest&
   if (!id) return core::fail(id.error());
   {
     StateLock lock(farm_);
+    if (auto enough = lock.expect_memory(); !enough) return core::fail(enough.error());
     const scheduler::Actions done = lock.handle(scheduler::Drain{{*id}, !request.undo(), request.stop()});
     if (!done.status) return core::fail(done.status.error());
     request.undo() ? lock->drains.forget(*id) : lock->drains.request(*id, {request.stop()});

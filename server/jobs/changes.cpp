@@ -38,6 +38,7 @@ core::Result<v1::Job> JobService::summary(const std::string& id) {
 core::Result<v1::Job> JobService::change(const std::string& id, const scheduler::Event& event) {
   const auto change_in_memory = [&]() -> std::optional<core::Result<JobSnapshot>> {
     StateLock lock(farm_);
+    if (auto enough = lock.expect_memory(); !enough) return core::fail(enough.error());
     if (lock->find_validating(id) != nullptr) return core::fail(is_being_validated(id));
     JobRecord* const record = lock->find_job(id);
     if (record == nullptr) return std::nullopt;
@@ -100,6 +101,7 @@ core::Result<v1::Job> JobService::update(const v1::UpdateJobRequest& request) {
 core::Status JobService::remove(const std::string& id) {
   if (const auto removed = remove_validating(id)) return *removed;
   const core::MutexLock nobody_moves_it(moving_mutex_);
+  if (auto enough = StateLock(farm_).expect_memory(); !enough) return enough;
   if (const auto found = find_job(farm_, state_.jobs, id); !found) return core::fail(found.error());
   // From the store first: a job that is deleted only from memory would be back after a restart.
   if (const core::Status deleted = state_.jobs.delete_job(id); !deleted) return deleted;

@@ -85,6 +85,7 @@ std::optional<core::Result<v1::Job>> JobService::extend_in_memory(const v1::Exte
   const std::string& id = request.job_id();
   const auto changed = [&]() -> std::optional<core::Result<JobSnapshot>> {
     StateLock lock(farm_);
+    if (auto enough = lock.expect_memory(); !enough) return core::fail(enough.error());
     if (lock->find_validating(id) != nullptr) return core::fail(is_being_validated(id));
     JobRecord* const record = lock->find_job(id);
     if (record == nullptr) return std::nullopt;
@@ -157,6 +158,7 @@ core::Result<bool> JobService::bring_back(store::JobRow row, JobState state,
 
   // The row first: a start of the coordinator looks at the job again.
   const core::MutexLock nobody_deletes_it(moving_mutex_);
+  if (auto enough = StateLock(farm_).expect_memory(); !enough) return core::fail(enough.error());
   const auto is_same = state_.jobs.replace_job(row, before);
   if (!is_same || !*is_same) return is_same;
   const scheduler::RestoreJob event{{row.id},
@@ -170,10 +172,7 @@ core::Result<bool> JobService::bring_back(store::JobRow row, JobState state,
                                     {},
                                     row.arithmetic};
   StateLock lock(farm_);
-  const scheduler::Actions actions = lock->scheduler.handle(event, lock.now());
-  if (!actions.status) return core::fail(actions.status.error());
-  lock->add_job(*std::move(record));
-  lock.apply(actions);
+  if (auto added = lock.add_job(event, *std::move(record)); !added) return core::fail(added.error());
   // Workers may have been distrusted since it was stored.
   lock.handle(scheduler::ReopenJob{{row.id}});
   return true;

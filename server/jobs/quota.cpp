@@ -21,6 +21,7 @@ core::Status may_open_job(const StateLock& lock, const std::string& owner, const
 core::Result<QuotaReservation> QuotaReservation::take(farm::Farm& farm, const std::string& owner,
                                                       const server::Limits& limits) {
   StateLock lock(farm);
+  if (auto enough = lock.expect_memory(); !enough) return core::fail(enough.error());
   if (auto may = may_open_job(lock, owner, limits); !may) return core::fail(may.error());
   lock->count_open_job(owner, 1);
   return QuotaReservation(farm, owner);

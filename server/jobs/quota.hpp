@@ -19,7 +19,7 @@ core::Status may_open_job(const farm::StateLock& lock, const std::string& owner,
 // in parallel so get no more jobs than submissions one after the other.
 class QuotaReservation {
  public:
-  // RESOURCE_EXHAUSTED if none is left.
+  // RESOURCE_EXHAUSTED if none is left, or the coordinator has not enough memory.
   static core::Result<QuotaReservation> take(farm::Farm& farm, const std::string& owner,
                                              const server::Limits& limits);
   QuotaReservation(QuotaReservation&& other) noexcept

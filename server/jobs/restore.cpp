@@ -90,10 +90,7 @@ core::Status Restoration::add_restored(const scheduler::RestoreJob& event, JobRe
   record.files = files_.hold(record.spec->bundle());
   files_.charge_to(record.spec->owner(), record.spec->bundle());
   StateLock lock(farm_);
-  const scheduler::Actions actions = lock->scheduler.handle(event, lock.now());
-  if (!actions.status) return core::fail(actions.status.error());
-  lock->add_job(std::move(record));
-  lock.apply(actions);
+  if (auto added = lock.add_job(event, std::move(record)); !added) return added;
   ++restored_;
   return {};
 }

@@ -191,6 +191,7 @@ core::Status JobService::start(v1::Job spec) {
                                    record.spec->max_workers()};
   {
     const StateLock lock(farm_);
+    if (auto enough = lock.expect_memory(); !enough) return enough;
     const ValidatingJob* job = lock->find_validating(id);
     if (job == nullptr) return {};  // cancelled or deleted meanwhile
     record.request_id = job->request_id;
@@ -208,15 +209,13 @@ core::Status JobService::start(v1::Job spec) {
   StateLock lock(farm_);
   validated = lock->remove_validating(id);
   record.files = std::move(validated.mapped().files);
-  const scheduler::Actions actions = lock->scheduler.handle(event, lock.now());
-  if (!actions.status) return core::fail(actions.status.error());
-  const JobRecord& added = lock->add_job(std::move(record));
+  if (auto done = lock.add_job(event, std::move(record)); !done) return done;
+  const v1::Job& added = *lock->find_job(id)->spec;
   lock.log(spdlog::level::info,
-           fmt::format("job {} ({}) runs: {}x{} pixels, {} samples per pixel{}", id, added.spec->name(),
+           fmt::format("job {} ({}) runs: {}x{} pixels, {} samples per pixel{}", id, added.name(),
                        event.shape.window.width(), event.shape.window.height(), event.shape.spp,
                        event.shape.images == 1 ? "" : fmt::format(", {} images", event.shape.images)),
-           {.job = id, .principal = added.spec->owner()});
-  lock.apply(actions);
+           {.job = id, .principal = added.owner()});
   return {};
 }
 
@@ -225,9 +224,10 @@ std::optional<core::Result<JobSnapshot>> JobService::end_unvalidated(const std::
   const core::MutexLock one_at_a_time(submit_mutex_);
   JobRecord record;
   {
-    StateLock lock(farm_);
-    ValidatingJob* job = lock->find_validating(id);
+    const StateLock lock(farm_);
+    const ValidatingJob* job = lock->find_validating(id);
     if (job == nullptr) return std::nullopt;
+    if (auto enough = lock.expect_memory(); !enough) return core::fail(enough.error());
     record.spec = job->spec;
     record.request_id = job->request_id;
   }
@@ -250,30 +250,32 @@ std::optional<core::Result<JobSnapshot>> JobService::end_unvalidated(const std::
   record.stored_revision = record.revision;
   std::map<std::string, ValidatingJob>::node_type validated;  // destroyed without the lock
   StateLock lock(farm_);
+  lock.later([stop = lock->find_validating(id)->stop]() mutable { stop.request_stop(); });
   validated = lock->remove_validating(id);
-  lock.later([stop = validated.mapped().stop]() mutable { stop.request_stop(); });
   record.files = std::move(validated.mapped().files);
-  const scheduler::Actions actions = lock->scheduler.handle(event, lock.now());
-  if (!actions.status) return core::fail(actions.status.error());
-  const JobRecord& added = lock->add_job(std::move(record));
+  if (auto done = lock.add_job(event, std::move(record)); !done) return core::fail(done.error());
+  const JobRecord& added = *lock->find_job(id);
   lock.log(spdlog::level::info,
            fmt::format("job {} ({}) is {}{}{}", id, added.spec->name(), scheduler::job_state_name(state),
                        failure.message.empty() ? "" : ": ", failure.message),
            {.job = id, .principal = added.spec->owner()});
-  lock.apply(actions);
   return lock.snapshot_of(added);
 }
 
 // The job from the store first: one that is deleted only from memory would be back after a restart.
 std::optional<core::Status> JobService::remove_validating(const std::string& id) {
   const core::MutexLock one_at_a_time(submit_mutex_);
-  if (StateLock(farm_)->find_validating(id) == nullptr) return std::nullopt;
+  {
+    const StateLock lock(farm_);
+    if (lock->find_validating(id) == nullptr) return std::nullopt;
+    if (auto enough = lock.expect_memory(); !enough) return enough;
+  }
   if (auto deleted = state_.jobs.delete_job(id); !deleted) return deleted;
   files_.note_deleted();
   std::map<std::string, ValidatingJob>::node_type removed;  // destroyed without the lock
   StateLock lock(farm_);
+  lock.later([stop = lock->find_validating(id)->stop]() mutable { stop.request_stop(); });
   removed = lock.delete_validating(id);
-  lock.later([stop = removed.mapped().stop]() mutable { stop.request_stop(); });
   lock.log(spdlog::level::info, fmt::format("job {} deleted", id), {.job = id});
   return core::Status();
 }
