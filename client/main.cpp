@@ -10,6 +10,7 @@
 #include "client/screen/view_command.hpp"
 #include "core/base/standard_streams.hpp"
 #ifdef TESSERA_FARM
+#include "client/demo/demo_command.hpp"
 #include "client/farm/farm_commands.hpp"
 #include "proto/channel.hpp"
 #endif
@@ -51,6 +52,7 @@ int run(int argc, char** argv) {
   group_commands(app, "Commands");
 #ifdef TESSERA_FARM
   add_farm_commands(app, exit_code);
+  add_demo_command(app, exit_code);
   group_commands(app, "Farm commands");
 #endif
   if (const auto ended = cli::parse(app, argc, argv, "tessera")) return *ended;

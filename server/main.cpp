@@ -26,7 +26,6 @@
 #include "core/common/passed_sockets.hpp"
 #include "core/common/secret_file.hpp"
 #include "core/common/service_manager.hpp"
-#include "core/sandbox/check.hpp"
 #include "proto/certificates.hpp"
 #include "proto/channel.hpp"
 #include "server/admin/maintenance.hpp"
@@ -37,6 +36,7 @@
 #include "server/options.hpp"
 #include "server/rpc/server.hpp"
 #include "server/scaling/cluster_server.hpp"
+#include "server/scene_check.hpp"
 
 namespace {
 
@@ -185,27 +185,13 @@ void wait_for_stop(const server::Options& options, rpc::Server& server, http_api
 
 core::Status run(const server::Options& options, std::vector<base::Fd> sockets, const sigset_t& signals) {
   if (const auto enough = check_address_space(); !enough) return enough;
-  if (const auto found = validator::check_validator(options.validator); !found)
-    return core::fail(found.error());
+  const server::ValidatorOptions validator{
+      .program = options.validator, .limits = options.limits, .require_sandbox = options.require_sandbox};
   const auto warn = [](const std::string& line) { spdlog::warn("{}", line); };
-  if (const auto confined = sandbox::check_sandbox(options.validator, options.require_sandbox, warn);
-      !confined)
-    return core::fail(confined.error());
+  if (const auto usable = server::check_validator(validator, warn); !usable) return usable;
   auto state = store::StateDirectory::open(options.state);
   if (!state) return core::fail(state.error());
-  const blobs::BlobStore blobs = state->blobs;
-  const auto check = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
-                         const std::vector<std::int32_t>& frames,
-                         const std::stop_token& stop) -> core::Result<jobs::CheckedScene> {
-    const validator::ProcessOptions validator{.path = options.validator,
-                                              .limits = options.limits,
-                                              .stop = stop,
-                                              .require_sandbox = options.require_sandbox};
-    auto approval = validator::validate_scene(validator, blobs, {bundle, overrides, frames});
-    if (!approval) return core::fail(approval.error());
-    return jobs::CheckedScene{approval->settings, approval->display, std::move(approval->warnings),
-                              std::move(approval->scene_digests), std::move(approval->attributes)};
-  };
+  auto check = server::confined_scene_check(validator, state->blobs);
   server::CoordinatorOptions settings;
   settings.limits = options.limits;
   settings.farm.lease_duration =
@@ -215,7 +201,7 @@ core::Status run(const server::Options& options, std::vector<base::Fd> sockets, 
   settings.farm.audit_share = options.audit;
   if (!options.fingerprints.empty())
     settings.farm.fingerprints = {options.fingerprints.begin(), options.fingerprints.end()};
-  const auto coordinator = server::Coordinator::open(settings, std::move(*state), check);
+  const auto coordinator = server::Coordinator::open(settings, std::move(*state), std::move(check));
   if (!coordinator) return core::fail(coordinator.error());
   rpc::ServerOptions serving{.address = options.listen,
                              .sockets = std::move(sockets),

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/available_resources.hpp"
+#include "core/sandbox/check.hpp"
 #include "core/sandbox/flags.hpp"
 #include "core/sandbox/memory_file.hpp"
 #include "core/sandbox/process.hpp"
@@ -91,6 +92,14 @@ std::optional<core::Error> failure_of(const Ending& ending, const LoaderOptions&
 LoaderOptions::LoaderOptions()
     : program(sandbox::path_beside_this(kSceneLoaderName)),
       memory_mib(core::available_memory_bytes() >> 20) {}
+
+core::Status check_loader(const LoaderOptions& options,
+                          const std::function<void(const std::string& line)>& warn) {
+  if (core::Status found = sandbox::check_program(options.program, kSceneLoaderName, "--scene-loader");
+      !found)
+    return found;
+  return sandbox::check_sandbox(options.program, options.require_sandbox, warn);
+}
 
 core::Result<core::SceneDescription> load_confined(const LoaderOptions& options, const SceneFiles& files,
                                                    int threads, const std::stop_token& stop) {

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <stop_token>
 #include <string>
 
@@ -24,6 +25,11 @@ struct LoaderOptions {
 
   LoaderOptions();
 };
+
+// That scenes can be loaded, and how well confined. FAILED_PRECONDITION: there is no such program, or a part
+// of the required sandbox is missing. Otherwise each missing part goes to `warn` as one line.
+core::Status check_loader(const LoaderOptions& options,
+                          const std::function<void(const std::string& line)>& warn);
 
 // Loads the scene of these files with the messages of a local render. Blocks; `threads` read what the process
 // has written. A file whose bytes are not those of its digest is removed, so that it is fetched again:

@@ -14,8 +14,6 @@
 #include "core/common/secret_file.hpp"
 #include "core/common/service_manager.hpp"
 #include "core/integrators/fingerprint.hpp"
-#include "core/sandbox/check.hpp"
-#include "core/sandbox/process.hpp"
 #include "proto/channel.hpp"
 #include "proto/client_credentials.hpp"
 #include "proto/unreachable.hpp"
@@ -37,15 +35,6 @@ worker::SyncLoop::Explain explaining(const worker::Options& options) {
                ? proto::explain_no_connection(status, options.coordinator, options.security)
                : proto::error_from_grpc(status);
   };
-}
-
-// That scenes can be loaded, and how well confined.
-core::Status check_loader(const worker::LoaderOptions& loader) {
-  if (core::Status found = sandbox::check_program(loader.program, worker::kSceneLoaderName, "--scene-loader");
-      !found)
-    return found;
-  return sandbox::check_sandbox(loader.program, loader.require_sandbox,
-                                [](const std::string& line) { spdlog::warn("{}", line); });
 }
 
 // Building a scene and rendering a piece take less, or there is something wrong; loading has a limit of its
@@ -101,7 +90,8 @@ int run(const worker::Options& options, char** arguments) {
     spdlog::error("{}: choose another folder with --cache", cache.error().message);
     return 1;
   }
-  if (const auto ready = check_loader(options.loader); !ready) {
+  const auto warn = [](const std::string& line) { spdlog::warn("{}", line); };
+  if (const auto ready = worker::check_loader(options.loader, warn); !ready) {
     spdlog::error("{}", ready.error().message);
     return 1;
   }

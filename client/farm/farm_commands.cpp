@@ -13,7 +13,6 @@ void add_farm_commands(CLI::App& app, int& exit_code) {
   add_job_view_command(app, exit_code);
   add_change_commands(app, exit_code);
   add_fleet_commands(app, exit_code);
-  add_demo_command(app, exit_code);
 }
 
 }  // namespace tessera::client

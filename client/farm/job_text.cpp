@@ -189,16 +189,16 @@ std::string jobs_table(const v1::ListJobsResponse& jobs, double now_seconds, con
                     workers_text(job), std::to_string(job.priority()), ago(job.created_at(), now_seconds)});
   std::string table = format_table({{.title = "JOB"},
                                     {.title = "NAME", .is_flexible = true},
-                                    {.title = "OWNER", .is_flexible = true, .rank = 1},
+                                    {.title = "OWNER", .is_flexible = true, .rank = 3},
                                     {.title = "STATE", .color = state_color},
                                     {.title = "DONE %", .align = Align::kRight},
-                                    {.title = "TIME LEFT", .align = Align::kRight},
-                                    {.title = "SIZE PX", .align = Align::kRight, .rank = 5},
-                                    {.title = "SPP", .align = Align::kRight, .rank = 4},
-                                    {.title = "SAMPLES/S", .align = Align::kRight, .rank = 3},
-                                    {.title = "WORKERS", .align = Align::kRight},
-                                    {.title = "PRIORITY", .align = Align::kRight, .rank = 6},
-                                    {.title = "SUBMITTED", .align = Align::kRight, .rank = 2}},
+                                    {.title = "TIME LEFT", .align = Align::kRight, .rank = 1},
+                                    {.title = "SIZE PX", .align = Align::kRight, .rank = 7},
+                                    {.title = "SPP", .align = Align::kRight, .rank = 6},
+                                    {.title = "SAMPLES/S", .align = Align::kRight, .rank = 5},
+                                    {.title = "WORKERS", .align = Align::kRight, .rank = 2},
+                                    {.title = "PRIORITY", .align = Align::kRight, .rank = 8},
+                                    {.title = "SUBMITTED", .align = Align::kRight, .rank = 4}},
                                    rows, style);
   for (const v1::Job& job : jobs.jobs()) {
     if (!is_queued(job) || job.waiting_reason().empty()) continue;
@@ -221,15 +221,15 @@ std::string workers_table(const v1::ListWorkersResponse& workers, double now_sec
                     ago(worker.last_seen_at(), now_seconds), worker.version()});
   std::string table = format_table({{.title = "WORKER"},
                                     {.title = "NAME", .is_flexible = true},
-                                    {.title = "PRINCIPAL", .is_flexible = true, .rank = 3},
+                                    {.title = "PRINCIPAL", .is_flexible = true, .rank = 5},
                                     {.title = "STATE", .color = state_color},
-                                    {.title = "THREADS", .align = Align::kRight},
-                                    {.title = "LEASES", .align = Align::kRight, .rank = 1},
+                                    {.title = "THREADS", .align = Align::kRight, .rank = 2},
+                                    {.title = "LEASES", .align = Align::kRight, .rank = 3},
                                     {.title = "SAMPLES/S", .align = Align::kRight},
-                                    {.title = "SAMPLES", .align = Align::kRight, .rank = 2},
-                                    {.title = "AUDITED RANGES", .align = Align::kRight, .rank = 5},
-                                    {.title = "SEEN", .align = Align::kRight},
-                                    {.title = "VERSION", .is_flexible = true, .rank = 4}},
+                                    {.title = "SAMPLES", .align = Align::kRight, .rank = 4},
+                                    {.title = "AUDITED RANGES", .align = Align::kRight, .rank = 7},
+                                    {.title = "SEEN", .align = Align::kRight, .rank = 1},
+                                    {.title = "VERSION", .is_flexible = true, .rank = 6}},
                                    rows, style);
   for (const v1::Worker& worker : workers.workers())
     for (const std::string& remark : proto::worker_remarks(worker))

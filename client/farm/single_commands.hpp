@@ -10,7 +10,6 @@ void add_submit_command(CLI::App& app, int& exit_code);
 void add_watch_command(CLI::App& app, int& exit_code);
 void add_image_command(CLI::App& app, int& exit_code);
 void add_job_view_command(CLI::App& app, int& exit_code);  // view, of files and jobs
-void add_demo_command(CLI::App& app, int& exit_code);
 void add_list_commands(CLI::App& app, int& exit_code);    // jobs, job, workers, server
 void add_change_commands(CLI::App& app, int& exit_code);  // cancel, pause, resume, extend, update, delete
 void add_fleet_commands(CLI::App& app, int& exit_code);   // quarantine, drain

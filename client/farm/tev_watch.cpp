@@ -16,7 +16,7 @@
 namespace tessera::client {
 namespace {
 
-constexpr std::chrono::milliseconds kLookEvery{50};
+constexpr std::chrono::milliseconds kLookForTevEvery{50};
 // A coordinator that sends a larger one is not believed: that is 32 MiB.
 constexpr std::size_t kMaxTileValues = std::size_t{1} << 23;
 
@@ -59,7 +59,7 @@ class TileFeed {
   std::jthread cancel_when_stopped(grpc::ClientContext& context) const {
     return std::jthread([&context, stop = stop_](const std::stop_token& done) {
       while (!done.stop_requested() && !stop.stop_requested() && !interrupted())
-        std::this_thread::sleep_for(kLookEvery);
+        std::this_thread::sleep_for(kLookForTevEvery);
       if (!done.stop_requested()) context.TryCancel();
     });
   }
@@ -114,7 +114,7 @@ TevWatch::TevWatch(Farm& farm, std::string job_id, std::string address, Notices&
           const auto until =
               std::chrono::steady_clock::now() + std::chrono::duration<double>(kTevRetrySeconds);
           while (!gives_up() && std::chrono::steady_clock::now() < until)
-            std::this_thread::sleep_for(kLookEvery);
+            std::this_thread::sleep_for(kLookForTevEvery);
           if (gives_up()) return;
         }
       }) {}

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// `tessera demo`: starts a farm, renders, and leaves nothing behind.
+// `tessera demo`: a farm in one process, which renders and leaves nothing behind.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include <cerrno>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -48,18 +48,14 @@ class DemoTest : public ::testing::Test {
   TempFolder folder_;
 };
 
+// The processes that any of its threads has started.
 std::vector<pid_t> children_of(pid_t pid) {
-  const std::string number = std::to_string(pid);
-  std::ifstream file("/proc/" + number + "/task/" + number + "/children");
   std::vector<pid_t> children;
-  for (pid_t child = 0; file >> child;) children.push_back(child);
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
+    std::ifstream file(thread.path() / "children");
+    for (pid_t child = 0; file >> child;) children.push_back(child);
+  }
   return children;
-}
-
-bool is_running(pid_t pid) {
-  std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
-  std::string number, name, state;
-  return (stat >> number >> name >> state) && state != "Z";
 }
 
 TEST_F(DemoTest, RendersAndEnds) {
@@ -79,7 +75,9 @@ TEST_F(DemoTest, SpeaksJson) {
   ASSERT_GE(lines.size(), 2u);
   EXPECT_THAT(lines.front()["page"].get<std::string>(), ::testing::StartsWith("http://127.0.0.1:"));
   EXPECT_EQ(lines.back()["state"], "done");
-  EXPECT_EQ(demo.err(), "");
+  std::istringstream err(demo.err());  // nothing else than what this machine's sandbox lacks
+  for (std::string line; std::getline(err, line);)
+    EXPECT_THAT(line, ::testing::StartsWith("the sandbox of ")) << demo.err();
 }
 
 // As after the installation of the package tessera alone.
@@ -92,8 +90,26 @@ TEST_F(DemoTest, NamesThePackagesOfProgramsThatAreMissing) {
                 .out = folder_ / "out",
                 .err = folder_ / "err"});
   EXPECT_EQ(demo.wait(std::chrono::seconds(30)), 1);
-  EXPECT_THAT(demo.err(), HasSubstr("the demo starts tessera-coordinator and tessera-worker, which must be"));
+  EXPECT_THAT(demo.err(), HasSubstr("the demo reads scenes in tessera-validator and tessera-scene-loader"));
   EXPECT_THAT(demo.err(), HasSubstr("apt-get install ./tessera-coordinator_*.deb ./tessera-worker_*.deb"));
+}
+
+TEST_F(DemoTest, SaysWhatIsMissingOfTheSandbox) {
+  const std::filesystem::path built = TESSERA_CLIENT;
+  std::filesystem::create_directory(folder_ / "bin");
+  for (const char* const program : {"tessera", "tessera-validator"})
+    std::filesystem::copy_file(built.parent_path() / program, folder_ / "bin" / program);
+  std::filesystem::create_directory_symlink(built.parent_path().parent_path() / "lib", folder_ / "lib");
+  const std::filesystem::path loader = folder_ / "bin" / "tessera-scene-loader";
+  write_file(loader, "#!/bin/sh\nexit 3\n");
+  std::filesystem::permissions(loader, std::filesystem::perms::owner_all);
+  Process demo({.arguments = {folder_ / "bin" / "tessera", "demo", folder_ / "scene.json", "--http", "none"},
+                .out = folder_ / "out",
+                .err = folder_ / "err",
+                .environment = {{"TMPDIR", folder_.path().string()}}});
+  EXPECT_EQ(demo.wait(std::chrono::seconds(30)), 1);
+  EXPECT_THAT(demo.err(),
+              HasSubstr("the sandbox of tessera-scene-loader is incomplete: it cannot be checked"));
 }
 
 TEST_F(DemoTest, EndsByCtrlC) {
@@ -101,11 +117,17 @@ TEST_F(DemoTest, EndsByCtrlC) {
   ASSERT_TRUE(poll_until(std::chrono::seconds(60), [&] {
     return demo.err().find("done.") != std::string::npos;
   })) << demo.err();
-  const std::vector<pid_t> children = children_of(demo.pid());
-  EXPECT_EQ(children.size(), 2u);
+  EXPECT_THAT(children_of(demo.pid()), ::testing::IsEmpty()) << "coordinator and worker are in this process";
   demo.signal(SIGINT);
   EXPECT_EQ(demo.wait(std::chrono::seconds(30)), 0);
-  for (const pid_t child : children) EXPECT_FALSE(is_running(child));
+  EXPECT_EQ(demo.err().find("error"), std::string::npos) << demo.err();
+  EXPECT_TRUE(is_clean());
+}
+
+TEST_F(DemoTest, SaysWhatAddressItCannotServeThePageAt) {
+  Process demo = start({"--http", "127.0.0.1:notaport"});
+  EXPECT_EQ(demo.wait(std::chrono::seconds(30)), 1);
+  EXPECT_THAT(demo.err(), HasSubstr("127.0.0.1:notaport"));
   EXPECT_TRUE(is_clean());
 }
 
@@ -118,19 +140,6 @@ TEST_F(DemoTest, SaysThatItsOnlyJobWasInterrupted) {
   demo.signal(SIGINT);
   EXPECT_EQ(demo.wait(std::chrono::seconds(30)), 130);
   EXPECT_TRUE(is_clean());
-}
-
-TEST_F(DemoTest, LeavesNoProcessEvenIfItIsKilled) {
-  Process demo = start();
-  ASSERT_TRUE(poll_until(std::chrono::seconds(60), [&] { return children_of(demo.pid()).size() == 2; }))
-      << demo.err();
-  const std::vector<pid_t> children = children_of(demo.pid());
-  demo.signal(SIGKILL);
-  EXPECT_TRUE(poll_until(std::chrono::seconds(20), [&] {
-    for (const pid_t child : children)
-      if (is_running(child)) return false;
-    return true;
-  }));
 }
 
 }  // namespace

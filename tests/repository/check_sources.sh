@@ -56,7 +56,9 @@ forbid "The scene includes nothing of how it is rendered." "${include}core/(guid
   core/scene
 forbid "No other part of core includes the sandbox." "${include}core/sandbox/" --but '^core/sandbox/' "${sources[@]}" core
 forbid "A worker includes neither server nor client." "${include}(server|client)/" "${sources[@]}" worker
-forbid "A client includes neither server nor worker." "${include}(server|worker)/" "${sources[@]}" client
+forbid "A client includes neither server nor worker; tessera demo runs both." "${include}(server|worker)/" \
+  --but '^client/demo/' "${sources[@]}" client
+forbid "Only the program includes the demo." "${include}client/demo/" --but '^client/(demo/|main\.cpp)' "${sources[@]}" client
 forbid "The server includes of core only base, cli, common, film, http, image, math, sandbox, view, scene/settings.hpp and scene/render_record.hpp; the validator may load scenes." \
   "${include}core/" --but '^server/validator/|[<"]core/(base|cli|common|film|http|image|math|sandbox|view)/|[<"]core/scene/(settings|render_record)\.hpp' \
   "${sources[@]}" server

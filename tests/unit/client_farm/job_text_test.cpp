@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sstream>
 #include <string>
 
 namespace tessera::client {
@@ -189,6 +190,17 @@ TEST(JobText, IdsInTablesAreUniquePrefixes) {
       "0123456789"
       "0000000000000000000000");
   EXPECT_THAT(jobs_table(jobs, 0), HasSubstr("\n0123456789a  "));
+}
+
+TEST(JobText, TablesFitNarrowTerminals) {
+  v1::ListJobsResponse jobs;
+  *jobs.add_jobs() = some_job();
+  for (const int columns : {40, 60, 80}) {
+    std::istringstream lines(jobs_table(jobs, 0, {.columns = columns}));
+    for (std::string line; std::getline(lines, line);)
+      EXPECT_LE(line.size(), static_cast<std::size_t>(columns)) << line;
+  }
+  EXPECT_THAT(jobs_table(jobs, 0, {.columns = 60}), HasSubstr("TIME LEFT"));
 }
 
 TEST(JobText, StatesAreColoredOnTerminalsAlone) {
