@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A farm with tokens: login, roles, and what the cookie is.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
-import {Farm} from './farm.mjs';
-import {axe, launch, open} from './page.mjs';
+import {test} from 'node:test';
+import {axe, open, withFarm} from './page.mjs';
 
 const kTokens = [
   'submit alice alice-has-this-token',
@@ -14,14 +13,9 @@ const kTokens = [
 ];
 let farm, browser, id;
 
-before(async () => {
-  farm = await Farm.start({tokens: kTokens, threads: 1});
-  browser = await launch();
+withFarm({tokens: kTokens, threads: 1}, async (started) => {
+  ({farm, browser} = started);
   id = await farm.submit(['--size', '256x256', '--spp', '100000', '--name', 'of alice'], {token: 'alice'});
-});
-after(async () => {
-  await browser?.close();
-  await farm?.close();
 });
 
 async function logIn(name, hash = '') {

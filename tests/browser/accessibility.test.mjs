@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // axe finds nothing on any view, on desktops and phones, dark and light; and nothing is wider than a phone.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
-import {Farm, glowingSphere} from './farm.mjs';
-import {axe, kDesktop, kPhone, launch, open} from './page.mjs';
+import {test} from 'node:test';
+import {glowingSphere} from './farm.mjs';
+import {axe, kDesktop, kPhone, open, withFarm} from './page.mjs';
 
 let farm, browser, animation, done, failed, running;
 
-before(async () => {
-  farm = await Farm.start({threads: 1});
-  browser = await launch();
+withFarm({threads: 1}, async (started) => {
+  ({farm, browser} = started);
   done = await farm.submit(['--size', '64x64', '--spp', '4', '--name', 'done']);
   await farm.waitForState(done, 'done');
   animation = await farm.submitScene(glowingSphere(64, 64), {frames: [1, 2]});
@@ -21,10 +20,6 @@ before(async () => {
     body: '{}',
     headers: {'Content-Type': 'application/json'},
   });
-});
-after(async () => {
-  await browser?.close();
-  await farm?.close();
 });
 
 const kViews = {

@@ -1,22 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // The farm's view: what is shown of jobs and workers, and what can be done with them.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
-import {Farm, until} from './farm.mjs';
-import {launch, open} from './page.mjs';
+import {test} from 'node:test';
+import {until} from './farm.mjs';
+import {open, withFarm} from './page.mjs';
 import {quarantineWorker} from './wrong_worker.mjs';
 
 const kHostile = '<img src=x onerror="window.hacked=1"><b>bold</b>&amp;';
 let farm, browser, page;
 
-before(async () => {
-  farm = await Farm.start({threads: 1});
-  browser = await launch();
+withFarm({threads: 1}, async (started) => {
+  ({farm, browser} = started);
   page = await open(browser, farm.url);
-});
-after(async () => {
-  await browser?.close();
-  await farm?.close();
 });
 
 const row = (name) => page.getByRole('row').filter({has: page.getByRole('link', {name, exact: true})});
@@ -164,40 +159,41 @@ test('a worker is released from quarantine', async () => {
   await page.getByRole('button', {name: 'Release… wrong'}).waitFor({state: 'detached'});
 });
 
-// The heights of a plot's points, from 0 to 32.
+// The heights of a plot's points, from 0 to 32; none before the page is built.
 const plot = (label) =>
   page.evaluate((text) => {
     const figures = [...document.querySelectorAll('.figure')];
     const figure = figures.find((each) => each.querySelector('h2').textContent === text);
+    if (!figure) return [];
     const points = figure.querySelector('.plot-line').getAttribute('d').slice(1).split('L');
     return points.map((point) => 35 - Number(point.split(' ')[1]));
   }, label);
 
 test('the plots follow the activity', async () => {
   const {jobs} = await farm.api('jobs?state=running');
-  await until('a plot of running jobs', async () => {
-    const heights = await plot('Running jobs');
+  await until('a plot of jobs', async () => {
+    const heights = await plot('Current jobs');
     return heights.length > 2 && heights.at(-1) > 0;
   });
   const change = (verb) => Promise.all(jobs.map(({id}) => farm.api(`jobs/${id}/${verb}`, {method: 'POST'})));
   await change('pause');
-  for (const label of ['Running jobs', 'Samples/s', 'Busy workers'])
+  for (const label of ['Current jobs', 'Samples/s', 'Busy workers'])
     await until(`${label} at the base line`, async () => (await plot(label)).at(-1) === 0);
-  assert.ok((await plot('Running jobs')).some((height) => height === 32), 'the past stays');
+  assert.ok((await plot('Current jobs')).some((height) => height === 32), 'the past stays');
   await until('a sample of the pause', async () => (await farm.api('activity')).samples.at(-1)[2] === 0);
   const {length} = await plot('Busy workers');
   await change('resume');
-  for (const label of ['Running jobs', 'Samples/s', 'Busy workers'])
+  for (const label of ['Current jobs', 'Samples/s', 'Busy workers'])
     await until(`${label} above the base line`, async () => (await plot(label)).at(-1) > 0);
   await until('another point', async () => (await plot('Busy workers')).length > length);
 
   // A page that is opened later has the past.
-  const past = await plot('Running jobs');
+  const past = await plot('Current jobs');
   const shown = page;
   page = await open(browser, farm.url);
   // By itself it would have one point in this time.
-  await until('the past', async () => (await plot('Running jobs')).length >= past.length, 9000);
-  assert.ok((await plot('Running jobs')).some((height) => height === 0), 'all jobs were paused');
+  await until('the past', async () => (await plot('Current jobs')).length >= past.length, 9000);
+  assert.ok((await plot('Current jobs')).some((height) => height === 0), 'all jobs were paused');
   await page.context().close();
   page = shown;
 });
@@ -219,19 +215,67 @@ test('the keyboard reaches everything', async () => {
   assert.deepEqual(page.errors, []);
 });
 
+test('older jobs are offered while there are any', async () => {
+  const {jobs} = await farm.api('jobs');
+  const button = page.getByRole('button', {name: 'Show older jobs'});
+  const figure = page.locator('.figure', {hasText: 'Current jobs'});
+  const current = jobs.filter(({state}) => state === 'running').length;
+  await figure.locator('.figure-number', {hasText: new RegExp(`^${current}$`)}).waitFor();
+  assert.equal(await button.isVisible(), false);
+  // The list in pages of two jobs.
+  await page.route(/\/api\/v1\/jobs\?/, (route) => {
+    const address = new URL(route.request().url());
+    address.searchParams.set('page_size', '2');
+    return route.continue({url: address.href});
+  });
+  await page.reload();
+  await button.click();
+  await until('all jobs', async () => (await names()).length === jobs.length);
+  await button.waitFor({state: 'hidden'});
+  await page.unroute(/\/api\/v1\/jobs\?/);
+});
+
 test('a restart of the coordinator is survived', async () => {
   const {jobs} = await farm.api('jobs');
-  const unfinished = jobs.filter((job) => job.state !== 'cancelled').length;
   await farm.killCoordinator();
   await page.getByText('Reconnecting…').waitFor();
   await farm.startCoordinator();
   await page.getByText('Live', {exact: true}).waitFor();
   await longJob('after the restart');
   await row('after the restart').waitFor();
-  await until('the unfinished jobs', async () => (await names()).length === unfinished + 1);
-  await page.getByRole('button', {name: 'Show older jobs'}).click();
+  // Also those that had ended, of which the coordinator's events tell nothing.
   await until('all jobs', async () => (await names()).length === jobs.length + 1);
+  assert.equal(await page.getByRole('button', {name: 'Show older jobs'}).isVisible(), false);
   await page.locator('.workers .state', {hasText: 'working'}).waitFor();
   assert.equal(await page.getByRole('row', {name: 'worker-1'}).count(), 1);
   assert.deepEqual(page.errors, []);
+});
+
+test('a page of the list that comes late changes nothing', async () => {
+  const [job] = (await farm.api('jobs')).jobs;
+  const listed = await page.evaluate(async (like) => {
+    const {store} = await import(new URL('assets/store.js', document.baseURI));
+    store.disconnect();
+    const {fetch} = window;
+    const answers = [];
+    window.fetch = () =>
+      new Promise((resolve) => {
+        answers.push((ids, next_page_token) => {
+          const jobs = ids.map((id) => ({...like, id}));
+          resolve(new Response(JSON.stringify({jobs, next_page_token})));
+        });
+      });
+    store.apply('reset');
+    store.apply('reset');
+    store.apply('removed', {jobs: ['removed']});
+    const [late, newest] = answers;
+    newest(['newest', 'removed'], '');
+    late(['late'], 'more');
+    await new Promise((resolve) => {
+      setTimeout(resolve, 200);
+    });
+    window.fetch = fetch;
+    return {jobs: [...store.jobs.keys()], hasOlder: store.hasOlderJobs};
+  }, job);
+  assert.deepEqual(listed, {jobs: ['newest'], hasOlder: false});
 });

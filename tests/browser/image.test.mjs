@@ -2,25 +2,20 @@
 // The live image: the graphics card holds the halves of the EXR file, and the canvas has the colours of the
 // PNG file.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
+import {test} from 'node:test';
 import {existsSync, mkdtempSync, readFileSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
-import {Farm, glowingSphere, kCornell, startView, until} from './farm.mjs';
+import {glowingSphere, kCornell, startView, until} from './farm.mjs';
 import {largestDifference, nearestHalf, readExr, readPng, readTileStream} from './images.mjs';
-import {launch, open, openJob, readColours, showPixels} from './page.mjs';
+import {open, openJob, readColours, showPixels, withFarm} from './page.mjs';
 
 const kWidth = 150;
 const kHeight = 100;
 let farm, browser;
 
-before(async () => {
-  farm = await Farm.start();
-  browser = await launch();
-});
-after(async () => {
-  await browser?.close();
-  await farm?.close();
+withFarm({}, (started) => {
+  ({farm, browser} = started);
 });
 
 const readPixels = (page) =>

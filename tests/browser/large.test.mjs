@@ -2,18 +2,17 @@
 // An image of 16,384 x 16,384 pixels: only what is seen is fetched, at the scale at which it is seen. With
 // LARGE_IMAGE=whole it is rendered to its end, which takes a minute, for the figures of docs/scaling.md.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
-import {Farm, glowingSphere, until} from './farm.mjs';
-import {launch, openJob} from './page.mjs';
+import {test} from 'node:test';
+import {glowingSphere, until} from './farm.mjs';
+import {openJob, withFarm} from './page.mjs';
 
 const kSide = 16384;
 const kTilePixels = 64 * 64;
 const kIsWhole = process.env.LARGE_IMAGE === 'whole';
 let farm, browser, id, tiles;
 
-before(async () => {
-  farm = await Farm.start();
-  browser = await launch();
+withFarm({}, async (started) => {
+  ({farm, browser} = started);
   const scene = glowingSphere(kSide, kSide);
   scene.render.spp = 1;
   id = await farm.submitScene(scene);
@@ -26,10 +25,6 @@ before(async () => {
     await until('the last leases', async () => (await farm.api(`jobs/${id}`)).active_workers === 0);
   }
   tiles = (await farm.api(`jobs/${id}`)).samples_done / kTilePixels;
-});
-after(async () => {
-  await browser?.close();
-  await farm?.close();
 });
 
 // Opens the job in a page that counts the bytes of its tile streams as it reads them, received().bytes, and the
@@ -59,6 +54,13 @@ async function openCounted() {
   await page.reload();
   return {page, start, received: () => page.evaluate(() => window.received)};
 }
+
+// The tiles that the page has at a level.
+const tilesThere = (page, level) =>
+  page.evaluate((wanted) => {
+    const pages = [...window.tessera.viewer.source.store.pages.values()];
+    return pages.filter((each) => each.level === wanted).reduce((sum, each) => sum + each.tiles.size, 0);
+  }, level);
 
 const complete = (page) => page.waitForFunction(() => window.tessera?.isComplete, null, {timeout: 120000});
 
@@ -109,6 +111,8 @@ test('a large image is fetched at the scale at which it is seen', async (context
   assert.ok(level >= 4, `level ${level}`);
   const perTile = 6 * (64 >> level) ** 2 + 60;
   assert.ok(whole.bytes < tiles * perTile + 20000, `${whole.bytes} bytes of ${tiles} tiles`);
+  assert.ok(whole.bytes > tiles * 6 * (64 >> level) ** 2, `${whole.bytes} bytes of ${tiles} tiles`);
+  assert.equal(await tilesThere(page, level), tiles, 'tiles of the whole image');
 
   const {width, height} = await page.evaluate(() => window.tessera.readCanvas());
   const overview = await page.evaluate(() => {

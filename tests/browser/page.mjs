@@ -2,7 +2,9 @@
 // The page in Chromium. CHROMIUM is the browser's program.
 import {readFileSync} from 'node:fs';
 import {createRequire} from 'node:module';
+import {after, before} from 'node:test';
 import {chromium} from 'playwright-core';
+import {Farm} from './farm.mjs';
 
 const require = createRequire(import.meta.url);
 
@@ -13,6 +15,21 @@ export async function launch() {
   return chromium.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
     args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
+  });
+}
+
+// Starts a farm with these options and a browser before the tests of a file, which `prepare({farm, browser})`
+// takes, and ends both after them.
+export function withFarm(options, prepare) {
+  const started = {farm: null, browser: null};
+  before(async () => {
+    started.farm = await Farm.start(options);
+    started.browser = await launch();
+    await prepare(started);
+  });
+  after(async () => {
+    await started.browser?.close();
+    await started.farm?.close();
   });
 }
 

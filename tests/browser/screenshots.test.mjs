@@ -4,22 +4,17 @@
 import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
 import {join} from 'node:path';
-import {after, before, test} from 'node:test';
+import {test} from 'node:test';
 import {isDeepStrictEqual} from 'node:util';
-import {Farm, until} from './farm.mjs';
+import {until} from './farm.mjs';
 import {textOf} from './images.mjs';
-import {kDesktop, kPhone, labelsOf, launch, open, openJob} from './page.mjs';
+import {kDesktop, kPhone, labelsOf, open, openJob, withFarm} from './page.mjs';
 
 let farm, browser, id;
 
-before(async () => {
-  farm = await Farm.start({threads: 1});
-  browser = await launch();
+withFarm({threads: 1}, async (started) => {
+  ({farm, browser} = started);
   id = await farm.submit(['--size', '256x256', '--spp', '100000']);
-});
-after(async () => {
-  await browser?.close();
-  await farm?.close();
 });
 
 async function openFarm() {

@@ -3,21 +3,16 @@
 import assert from 'node:assert/strict';
 import {mkdirSync, readFileSync, readdirSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
-import {after, before, test} from 'node:test';
-import {Farm, kScenes} from './farm.mjs';
+import {test} from 'node:test';
+import {kScenes} from './farm.mjs';
 import {readExr, writeZip} from './images.mjs';
-import {launch, open} from './page.mjs';
+import {open, withFarm} from './page.mjs';
 
 const kFolder = join(kScenes, 'cornell');
 let farm, browser, page;
 
-before(async () => {
-  farm = await Farm.start();
-  browser = await launch();
-});
-after(async () => {
-  await browser?.close();
-  await farm?.close();
+withFarm({}, (started) => {
+  ({farm, browser} = started);
 });
 
 async function openSubmit() {

@@ -1,25 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the viewer makes of linear light and of the state of tiles, and how fingers move it.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
-import {Farm, until} from './farm.mjs';
+import {test} from 'node:test';
+import {until} from './farm.mjs';
 import {largestDifference, linearAt, luminance, readExr, srgb} from './images.mjs';
-import {launch, openJob, readColours, showPixels} from './page.mjs';
+import {openJob, readColours, showPixels, withFarm} from './page.mjs';
 
 const kWidth = 150;
 const kHeight = 100;
 let farm, browser, id, linear;
 
-before(async () => {
-  farm = await Farm.start();
-  browser = await launch();
+withFarm({}, async (started) => {
+  ({farm, browser} = started);
   id = await farm.submit(['--size', `${kWidth}x${kHeight}`, '--spp', '8']);
   await farm.waitForState(id, 'done');
   linear = linearAt(readExr(await farm.api(`jobs/${id}/image?format=exr`)));
-});
-after(async () => {
-  await browser?.close();
-  await farm?.close();
 });
 
 async function openDone() {
@@ -164,7 +159,14 @@ test('tiles are coloured by state, samples, noise and worker', async () => {
   await until('samples', async () => (await farm.api(`jobs/${paused}`)).samples_done > 40 * width * height);
   await farm.api(`jobs/${paused}/pause`, {method: 'POST'});
   await until('the last leases', async () => (await farm.api(`jobs/${paused}`)).active_workers === 0);
-  const map = await farm.api(`jobs/${paused}/map`);
+  // Results that were on their way are counted, too.
+  let map = await farm.api(`jobs/${paused}/map`);
+  await until('the last results', async () => {
+    const earlier = JSON.stringify(map.tiles);
+    await new Promise((resolve) => setTimeout(resolve, 1000));
+    map = await farm.api(`jobs/${paused}/map`);
+    return JSON.stringify(map.tiles) === earlier;
+  });
   assert.equal(map.tiles.length, 12);
   const most = Math.max(spp, ...map.tiles.map(([samples]) => samples));
   const expected = {

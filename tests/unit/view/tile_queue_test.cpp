@@ -34,25 +34,25 @@ class TileQueueTest : public testing::Test {
 };
 
 TEST_F(TileQueueTest, GoesFromTheCentreOutwardCoarselyFirst) {
-  for (const int tile : {2, 0, 1}) queue_.add({static_cast<Revision>(10 + tile), tile}, true);
+  for (const int tile : {2, 0, 1}) queue_.add({static_cast<Revision>(10 + tile), tile}, true, false);
   EXPECT_THAT(take_all(), ElementsAre(-2, -1, -3, 1, 0, 2));
   EXPECT_TRUE(queue_.is_empty());
 }
 
 TEST_F(TileQueueTest, SendsThoseFirstThatWereSentLongestAgo) {
-  queue_.add({1, 1}, false);
+  queue_.add({1, 1}, false, false);
   EXPECT_THAT(take_all(), ElementsAre(1));
   now_ += milliseconds(200);
-  for (Revision revision = 2; revision < 9; ++revision) queue_.add({revision, 1}, false);
-  queue_.add({9, 2}, false);
+  for (Revision revision = 2; revision < 9; ++revision) queue_.add({revision, 1}, false, false);
+  queue_.add({9, 2}, false, false);
   EXPECT_THAT(take_all(), ElementsAre(2, 1));
 }
 
 TEST_F(TileQueueTest, SendsEachTileAtMostTenTimesASecond) {
-  queue_.add({1, 1}, false);
+  queue_.add({1, 1}, false, false);
   take_all();
   now_ += milliseconds(40);
-  queue_.add({2, 1}, false);
+  queue_.add({2, 1}, false, false);
   EXPECT_THAT(take_all(), ElementsAre());
   EXPECT_EQ(queue_.next_time(), now_ + milliseconds(60));
   now_ += milliseconds(60);
@@ -60,20 +60,41 @@ TEST_F(TileQueueTest, SendsEachTileAtMostTenTimesASecond) {
 }
 
 TEST_F(TileQueueTest, KnowsWhatIsSent) {
-  queue_.add({5, 1}, false);
-  queue_.add({7, 2}, false);
+  queue_.add({5, 1}, false, false);
+  queue_.add({7, 2}, false, false);
   EXPECT_EQ(queue_.complete_until(7), 4u);
   EXPECT_TRUE(queue_.is_next_new());
   const auto first = queue_.take(now_);
   ASSERT_TRUE(first);
   queue_.note_sent(1, 6, now_);
   EXPECT_EQ(queue_.complete_until(7), 6u);
-  queue_.add({6, 1}, false);
+  queue_.add({6, 1}, false, false);
   take_all();
   EXPECT_EQ(queue_.complete_until(7), 7u) << "change 6 was sent with 5";
   EXPECT_FALSE(queue_.is_next_new()) << "there is none";
-  queue_.add({8, 1}, false);
+  queue_.add({8, 1}, false, false);
   EXPECT_FALSE(queue_.is_next_new());
+}
+
+TEST_F(TileQueueTest, KnowsWhetherTheFirstAreSent) {
+  EXPECT_TRUE(queue_.has_sent_first()) << "there are none";
+  queue_.add({1, 1}, true, true);
+  queue_.add({2, 2}, true, true);
+  queue_.add({3, 1}, false, false);
+  const auto take_fine = [&] {
+    auto next = queue_.take(now_);
+    while (next && next->is_coarse) next = queue_.take(now_);
+    return next.value();
+  };
+  const TileQueue::Next first = take_fine();
+  queue_.add(first.change, false, false);  // it could not be read
+  EXPECT_EQ(take_fine().change.tile, first.change.tile);
+  queue_.note_sent(1, 3, now_);
+  queue_.add({4, 1}, false, false);
+  EXPECT_FALSE(queue_.has_sent_first());
+  take_fine();
+  queue_.note_sent(2, 2, now_);
+  EXPECT_TRUE(queue_.has_sent_first()) << "an update is none of the first";
 }
 
 TEST(StreamBudget, IsDividedAmongViewers) {

@@ -59,7 +59,7 @@ TEST_F(TileStreamTest, BeginsWithTheJobAndACoarseImage) {
   EXPECT_EQ(state, State::kWait);
   ASSERT_EQ(frames.size(), 1u + 1 + 9 + 1) << "coarse tiles share a frame";
   EXPECT_EQ(frames[0].header, R"({"type":"job","job":{"name":"job"}})");
-  EXPECT_EQ(frames[11].header, R"({"type":"revision","revision":9})");
+  EXPECT_EQ(frames[11].header, R"({"type":"revision","revision":9,"whole":true})");
   // The tile in the middle, and all coarse ones before.
   const std::vector<SentTile> tiles = tiles_in(frames);
   ASSERT_EQ(tiles.size(), 18u);
@@ -115,7 +115,7 @@ TEST_F(TileStreamTest, SendsChangesAsTheyHappen) {
   ASSERT_EQ(frames.size(), 2u);
   ASSERT_EQ(count_tiles(frames), 1u);
   EXPECT_EQ(tiles_in(frames)[0].samples, 6u);
-  EXPECT_EQ(frames[1].header, R"({"type":"revision","revision":14})");
+  EXPECT_EQ(frames[1].header, R"({"type":"revision","revision":14,"whole":true})");
   growing_.add(3, 6, 1);
   now_ += milliseconds(60);
   EXPECT_EQ(read(*stream).size(), 0u);
@@ -150,13 +150,15 @@ TEST_F(TileStreamTest, EndsWithTheJob) {
   ASSERT_EQ(frames.size(), 4u);
   EXPECT_THAT(frames[0].header, HasSubstr(R"("type":"job")"));
   EXPECT_TRUE(is_tile(frames[1]));
-  EXPECT_EQ(frames[2].header, R"({"type":"revision","revision":2})");
+  EXPECT_EQ(frames[2].header, R"({"type":"revision","revision":2,"whole":true})");
   EXPECT_EQ(frames[3].header, R"({"type":"end"})");
 }
 
 TEST_F(TileStreamTest, KeepsTheConnectionAlive) {
   const auto stream = open({});
-  EXPECT_EQ(read(*stream).size(), 1u);
+  const std::vector<Frame> first = read(*stream);
+  ASSERT_EQ(first.size(), 2u);
+  EXPECT_EQ(first[1].header, R"({"type":"revision","revision":0,"whole":true})") << "there is nothing";
   now_ += std::chrono::seconds(16);
   const std::vector<Frame> frames = read(*stream);
   ASSERT_EQ(frames.size(), 1u);
@@ -177,6 +179,28 @@ TEST_F(TileStreamTest, WaitsWhileTheFilmIsAway) {
   const std::vector<Frame> frames = read(*stream, &state);
   EXPECT_EQ(state, State::kEnd);
   EXPECT_EQ(count_tiles(frames), 1u);
+}
+
+// The revision of a stream that is read in small steps grows before all tiles of the start are sent.
+TEST_F(TileStreamTest, TellsWhenTheTilesOfTheStartAreSent) {
+  growing_.add_to_all(0, 1);
+  const auto stream = open({.since = 0, .level = 6});
+  std::vector<bool> whole;
+  for (std::size_t sent = 0; sent < 9;) {
+    std::string some;
+    EXPECT_EQ(stream->read(some, 1), State::kMore);
+    const std::vector<Frame> frames = parse_frames(some);
+    sent += count_tiles(frames);
+    growing_.add_to_all(1 + static_cast<std::uint32_t>(sent), 1);
+    now_ += milliseconds(1100);
+    for (const Frame& frame : frames)
+      if (frame.header.starts_with(R"({"type":"revision")")) {
+        whole.push_back(frame.header.ends_with(R"("whole":true})"));
+        EXPECT_EQ(whole.back(), sent == 9) << frame.header;
+      }
+  }
+  ASSERT_GT(whole.size(), 1u);
+  EXPECT_TRUE(whole.back()) << "though tiles that changed since wait";
 }
 
 // One that takes little at a time gets every tile's newest samples, once.
