@@ -8,7 +8,7 @@ namespace tessera::core {
 
 // The lanes of two vectors of doubles.
 template <typename Half>
-struct Twice {
+struct alignas(2 * alignof(Half)) Twice {  // as wide vectors are, so that layouts do not differ
   static constexpr std::size_t kLanes = 2 * Half::kLanes;
   Half low, high;
 
