@@ -43,8 +43,8 @@ BaseKeys base_keys(const Value& material) {
 // glTF gives the roughness along the direction as mix(alpha, 1, strength^2), and alpha across it; OpenPBR
 // 1.1 (section "Microfacet model") the ratio 1 - anisotropy of both, at a mean square that stays.
 Materials::Anisotropic Materials::anisotropic(float alpha, float strength) {
-  constexpr float kLeast = 1e-3f;
-  const float across = std::max(alpha, kLeast);
+  constexpr float kMinAcross = 1e-3f;
+  const float across = std::max(alpha, kMinAcross);
   const float along = across + (1 - across) * strength * strength, ratio = across / along;
   return {1 - ratio, std::min(std::sqrt(along / std::sqrt(2 / (1 + ratio * ratio))), 1.0f)};
 }

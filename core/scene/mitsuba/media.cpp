@@ -165,20 +165,19 @@ void MediumConverter::add_emission(const Plugin& light, MediumDescription& mediu
   light.ignore({"sampling_weight"});
   const Coefficient radiance = coefficient(light, "radiance", 0);
   if (radiance.grid || medium.has_grid()) return add_emission_grid(light, radiance, medium);
-  constexpr float kLeastAbsorption = 1e-3f;
+  constexpr float kMinAbsorption = 1e-3f;
   Rgb absorption = medium.sigma_a * medium.scale;
   bool is_raised = false;
   const auto emission_of = [&](float emitted, float& absorbed) {
     if (!(emitted > 0)) return 0.0f;
-    is_raised |= absorbed < kLeastAbsorption;
-    absorbed = std::max(absorbed, kLeastAbsorption);
+    is_raised |= absorbed < kMinAbsorption;
+    absorbed = std::max(absorbed, kMinAbsorption);
     return emitted / absorbed;
   };
   medium.emission = {emission_of(radiance.value.r, absorption.r), emission_of(radiance.value.g, absorption.g),
                      emission_of(radiance.value.b, absorption.b)};
   if (!is_raised) return;
-  light.warn(
-      fmt::format("needs a medium that absorbs; it absorbs {:g} per unit of length", kLeastAbsorption));
+  light.warn(fmt::format("needs a medium that absorbs; it absorbs {:g} per unit of length", kMinAbsorption));
   medium.sigma_s *= medium.scale;
   medium.sigma_a = absorption;
   medium.scale = 1;
