@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "core/math/elementary.hpp"
+#include "core/math/lane_array.hpp"
 #include "core/sampling/warp.hpp"
 
 namespace tessera::core {
@@ -26,14 +27,23 @@ Aperture::Aperture(float radius, int blades, float rotation_degrees) : radius_(r
 
 // The concentric map with its circles replaced by polygons. In the triangle between the centre and an edge,
 // the density is proportional to the distance from the centre and uniform along the edge.
-Vec2 Aperture::sample(Vec2 u) const {
-  if (corners_.empty()) return sample_disk(u) * radius_;
+Vec2 Aperture::sample_polygon(Vec2 u) const {
   const std::size_t edges = corners_.size() - 1;
   const PolarPoint point = sample_disk_polar(u);
   const float along = point.turns * static_cast<float>(edges);
   const std::size_t edge = std::min(static_cast<std::size_t>(along), edges - 1);
   const Vec2 a = corners_[edge], b = corners_[edge + 1];
   return (a + (b - a) * (along - static_cast<float>(edge))) * point.radius;
+}
+
+Vec2Of<FloatN> Aperture::sample_polygon(Vec2Of<FloatN> u) const {
+  const FloatLanes u_x(u.x), u_y(u.y);
+  FloatLanes x, y;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const Vec2 point = sample_polygon(Vec2{u_x[lane], u_y[lane]});
+    x.set(lane, point.x), y.set(lane, point.y);
+  }
+  return {x.all(), y.all()};
 }
 
 float Aperture::area() const {

@@ -4,7 +4,9 @@
 
 #include <vector>
 
+#include "core/math/simd.hpp"
 #include "core/math/vec3.hpp"
+#include "core/sampling/warp.hpp"
 
 namespace tessera::core {
 
@@ -21,10 +23,17 @@ class Aperture {
   float area() const;
   bool contains(Vec2 point) const;
 
-  // A uniform point on the area; the map is continuous. `u` is in [0, 1)^2.
-  Vec2 sample(Vec2 u) const;
+  // A uniform point on the area; the map is continuous. `u` is in [0, 1)^2. T is float or FloatN.
+  template <typename T = float>
+  Vec2Of<T> sample(Vec2Of<T> u) const {
+    if (corners_.empty()) return sample_disk(u) * T(radius_);
+    return sample_polygon(u);
+  }
 
  private:
+  Vec2 sample_polygon(Vec2 u) const;
+  Vec2Of<FloatN> sample_polygon(Vec2Of<FloatN> u) const;
+
   float radius_ = 0;
   std::vector<Vec2> corners_;  // counter-clockwise, the first repeated at the end; empty for a disk
 };

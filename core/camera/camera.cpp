@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/math/elementary.hpp"
+#include "core/math/simd.hpp"
 
 namespace tessera::core {
 namespace {
@@ -33,19 +34,24 @@ Camera::Camera(const CameraDescription& description)
   if (description.mirrored) right_ = -right_;
 }
 
-Ray Camera::ray(Vec2 raster, int width_px, int height_px, Vec2 u_lens) const {
+template <typename T>
+RayOf<T> Camera::ray(Vec2Of<T> raster, int width_px, int height_px, Vec2Of<T> u_lens) const {
   if (type_ == CameraType::kPanoramic)
-    return panoramic_ray({raster.x / static_cast<float>(width_px), raster.y / static_cast<float>(height_px)});
+    return panoramic_ray(
+        Vec2Of<T>{raster.x / static_cast<float>(width_px), raster.y / static_cast<float>(height_px)});
   return through_lens(chief_ray(raster, width_px, height_px), u_lens);
 }
 
-Camera::Line Camera::chief_ray(Vec2 raster, int width_px, int height_px) const {
+template <typename T>
+Camera::LineOf<T> Camera::chief_ray(Vec2Of<T> raster, int width_px, int height_px) const {
   const auto width = static_cast<float>(width_px), height = static_cast<float>(height_px);
   const float pixel = height_ / height;
-  const float x = (raster.x - (width / 2 - shift_.x * width)) * pixel;
-  const float y = (height / 2 + shift_.y * height - raster.y) * pixel;
-  if (type_ == CameraType::kOrthographic) return {position_ + right_ * x + up_ * y, forward_};
-  return {position_, forward_ + right_ * x + up_ * y};
+  const T x = (raster.x - (width / 2 - shift_.x * width)) * pixel;
+  const T y = (height / 2 + shift_.y * height - raster.y) * pixel;
+  const auto position = broadcast<T>(position_), right = broadcast<T>(right_), up = broadcast<T>(up_),
+             forward = broadcast<T>(forward_);
+  if (type_ == CameraType::kOrthographic) return {position + right * x + up * y, forward};
+  return {position, forward + right * x + up * y};
 }
 
 float Camera::depth(Vec3 origin, Vec3 point) const {
@@ -54,12 +60,14 @@ float Camera::depth(Vec3 origin, Vec3 point) const {
   return along > 0 ? along : 0;
 }
 
-Ray Camera::through_lens(const Line& line, Vec2 u_lens) const {
+template <typename T>
+RayOf<T> Camera::through_lens(const LineOf<T>& line, Vec2Of<T> u_lens) const {
   const auto& [position, direction] = line;
-  if (aperture_.is_pinhole()) return Ray{position, normalize(direction)};
-  const Vec2 lens = aperture_.sample(u_lens);
-  const Vec3 offset = right_ * lens.x + up_ * lens.y;
-  return Ray{position + offset, normalize(direction - offset / focus_distance_)};
+  if (aperture_.is_pinhole()) return {position, normalize(direction)};
+  const Vec2Of<T> lens = aperture_.sample(u_lens);
+  const auto right = broadcast<T>(right_), up = broadcast<T>(up_);
+  const Vec3Of<T> offset = right * lens.x + up * lens.y;
+  return {position + offset, normalize(direction - offset / T(focus_distance_))};
 }
 
 Vec3 Camera::focus(Vec2 raster, int width_px, int height_px) const {
@@ -105,11 +113,17 @@ float Camera::share_of_lens(float area, Vec3 point, float radius) const {
 }
 
 // `image` is in units of its width and height, from the top left.
-Ray Camera::panoramic_ray(Vec2 image) const {
+template <typename T>
+RayOf<T> Camera::panoramic_ray(Vec2Of<T> image) const {
   const auto [sin_longitude, cos_longitude] = sin_cos_turns(image.x - 0.5f);
   const auto [sin_latitude, cos_latitude] = sin_cos_turns(0.25f - image.y / 2);
-  const Vec3 level = forward_ * cos_longitude + right_ * sin_longitude;
-  return Ray{position_, normalize(level * cos_latitude + up_ * sin_latitude)};
+  const auto position = broadcast<T>(position_), right = broadcast<T>(right_), up = broadcast<T>(up_),
+             forward = broadcast<T>(forward_);
+  const Vec3Of<T> level = forward * cos_longitude + right * sin_longitude;
+  return {position, normalize(level * cos_latitude + up * sin_latitude)};
 }
+
+template Ray Camera::ray(Vec2, int, int, Vec2) const;
+template RayOf<FloatN> Camera::ray(Vec2Of<FloatN>, int, int, Vec2Of<FloatN>) const;
 
 }  // namespace tessera::core

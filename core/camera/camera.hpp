@@ -18,8 +18,9 @@ class Camera {
   explicit Camera(const CameraDescription& description);
 
   // The ray through `raster` (pixels from the top left of the image, y downwards) and the lens point
-  // selected by `u_lens` in [0, 1)^2. The direction has unit length.
-  Ray ray(Vec2 raster, int width_px, int height_px, Vec2 u_lens) const;
+  // selected by `u_lens` in [0, 1)^2. The direction has unit length. T is float or FloatN.
+  template <typename T = float>
+  RayOf<T> ray(Vec2Of<T> raster, int width_px, int height_px, Vec2Of<T> u_lens) const;
   // How far a point is from the origin of a camera ray that meets it, along the line of sight; for panoramic
   // cameras, their distance. Not negative.
   float depth(Vec3 origin, Vec3 point) const;
@@ -45,15 +46,19 @@ class Camera {
 
  private:
   // A line through the middle of the lens; `direction` is 1 long along the line of sight.
-  struct Line {
-    Vec3 position, direction;
+  template <typename T>
+  struct LineOf {
+    Vec3Of<T> position, direction;
   };
-  Line chief_ray(Vec2 raster, int width_px, int height_px) const;
+  template <typename T>
+  LineOf<T> chief_ray(Vec2Of<T> raster, int width_px, int height_px) const;
   // The middle of the lens, from which the ray to a point in focus comes.
   Vec3 lens_center(Vec3 focus) const;
-  Ray panoramic_ray(Vec2 image) const;
+  template <typename T>
+  RayOf<T> panoramic_ray(Vec2Of<T> image) const;
   // A ray from a point of the lens that meets `line` at the focus distance.
-  Ray through_lens(const Line& line, Vec2 u_lens) const;
+  template <typename T>
+  RayOf<T> through_lens(const LineOf<T>& line, Vec2Of<T> u_lens) const;
 
   CameraType type_ = CameraType::kPerspective;
   Vec3 position_;

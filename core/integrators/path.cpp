@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <optional>
 
 #include "core/integrators/direct_light.hpp"
 #include "core/integrators/opacity.hpp"
+#include "core/integrators/path_wavelength.hpp"
 #include "core/integrators/path_weights.hpp"
 #include "core/math/lane_array.hpp"
 
@@ -26,10 +28,18 @@ struct PathTracer::Paths {
         eta_scale(states.all(&PathState::eta_scale)),
         guiding_pdf_ratio(states.all(&PathState::guiding_pdf_ratio)) {
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-      const std::uint32_t slot = slots[lane < slots.size() ? lane : 0];
+      const std::uint32_t slot = states.row(lane);
       materials[lane] = bins.material(slot);
       emissive_lanes |= (lane < slots.size() && bins.is_emissive(slot) ? 1u : 0u) << lane;
     }
+  }
+
+  // The lanes whose materials disperse light.
+  unsigned dispersive_lanes() const {
+    unsigned lanes = 0;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+      lanes |= (disperses(materials[lane]->model) ? 1u : 0u) << lane;
+    return lanes;
   }
 
   // Ends the paths that have reached the maximum depth.
@@ -45,6 +55,8 @@ struct PathTracer::Paths {
   }
 
   static WordLanes rows_of(std::span<const std::uint32_t> slots) {
+    // A vector that is written at once can be read before the writes are through.
+    if (slots.size() == kLaneCount) return WordLanes(U32xN::load(slots.data()));
     WordLanes rows;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane)
       rows.set(lane, slots[lane < slots.size() ? lane : 0]);
@@ -62,6 +74,8 @@ struct PathTracer::Paths {
   bool plain_triangles = false;  // in all lanes
   RgbOf<FloatN> throughput;
   FloatN eta_scale, guiding_pdf_ratio;
+  std::optional<WavelengthOf<FloatN>> light;  // if any of the materials disperses it
+  MaskN disperses_light = false;
 };
 
 PathTracer::PathTracer(const RenderPlan& plan, std::span<const Sampler> samplers, std::span<Rgb> radiance,
@@ -85,24 +99,19 @@ PathTracer::PathTracer(const RenderPlan& plan, std::span<const Sampler> samplers
   connections_.reserve(kBatchPaths);
 }
 
-void PathTracer::begin(std::span<const Ray> rays, std::span<const std::uint32_t> paths,
-                       std::span<const Vec3> focuses) {
-  Columns<PathState>& begun = waiting_.front();
-  const std::size_t first = begun.size();
-  begun.push((1u << rays.size()) - 1).fill({});
-  const ColumnsView<PathState> states = begun.all().rows(first, rays.size());
-  const ColumnsView<Ray> next_rays = states.field(&PathState::ray);
-  const ColumnsView<std::uint32_t> path_of = states.field(&PathState::path);
-  const ColumnsView<Vec3> positions = states.field(&PathState::last).field(&LightSampleContext::position);
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const std::uint32_t path = paths[i];
+void PathTracer::begin(const RayOf<FloatN>& rays, std::span<const std::uint32_t> paths,
+                       const Vec3Of<FloatN>& focuses) {
+  static constexpr PathState kBegun{};
+  const NewRows<PathState> begun = waiting_.front().push((1u << paths.size()) - 1);
+  begun.fill(kBegun);
+  begun.put(&PathState::ray, rays);
+  begun.put(&PathState::path, Paths::rows_of(paths).all());
+  if (lens_lights_ != nullptr) begun.field(&PathState::last).put(&LightSampleContext::position, focuses);
+  for (const std::uint32_t path : paths) {
     radiance_[path] = {};
     depths_[path] = 0;
     if (clamps_) indirect_[path] = {};
     if (!parts_.empty()) parts_[path].clear();
-    next_rays.set(i, rays[i]);
-    path_of.set(i, path);
-    if (lens_lights_ != nullptr) positions.set(i, focuses[i]);
   }
 }
 
@@ -132,6 +141,7 @@ std::span<const std::uint32_t> PathTracer::step(RenderCounters& counters) {
   bins_.for_each_group([&](Kernel kernel, std::span<const std::uint32_t> slots, bool plain_triangles) {
     Paths shaded = together(slots);
     shaded.plain_triangles = plain_triangles;
+    if (scene_.has_dispersion()) find_wavelengths(shaded, depth);
     shade(kernel, shaded, depth);
   });
   bins_.for_each_escaped(
@@ -150,10 +160,13 @@ void PathTracer::pass_through_surfaces(RenderCounters& counters, int depth) {
   const auto count = static_cast<std::uint32_t>(batch_.size());
   for (std::uint32_t slot = 0; depth == 0 && slot < count; ++slot) enclosure_of(slot) = {};
   counters.closest_hit_rays += pass_by_chance(
-      scene_, batch_.field(&PathState::ray), hits_.all().rows(0, count),
+      scene_, origin_at_depth(depth), batch_.field(&PathState::ray), hits_.all().rows(0, count),
       [&](std::uint32_t slot) { return std::uint64_t{depths_[path_in(slot)]}; },
       [&](std::uint32_t slot) -> const Sampler& { return samplers_[path_in(slot)]; }, enclosure_of,
-      [&](std::uint32_t slot, Rgb tint) { throughputs.set(slot, throughputs[slot] * tint); });
+      [&](std::uint32_t slot, const Ray& ray, const Hit& hit, const Crossing& met) {
+        if (met.emits) add_passed_emission({batch_, slot}, ray, hit, met.surface, depth);
+        throughputs.set(slot, throughputs[slot] * met.tint());
+      });
   for (std::uint32_t slot = 0; slot < count; ++slot) boundaries_[slot] = enclosure_of(slot).boundary;
 }
 
@@ -198,8 +211,17 @@ std::array<FloatN, 4> PathTracer::numbers(const Paths& paths, int depth, PadAt p
   return Sampler::pads(paths.of(samplers_), pads);
 }
 
+void PathTracer::find_wavelengths(Paths& paths, int depth) const {
+  const unsigned lanes = paths.dispersive_lanes();
+  if (lanes == 0) return;
+  paths.disperses_light = MaskN::from_bits(lanes);
+  paths.light =
+      wavelengths_at(paths.states.all(&PathState::wavelength_nm), numbers(paths, depth, wavelength_pad)[0]);
+}
+
 void PathTracer::shade(Kernel kernel, const Paths& paths, int depth) {
-  const SurfaceBatch surfaces(scene_, paths.rays, paths.hits, paths.materials, paths.plain_triangles);
+  SurfaceBatch surfaces(scene_, paths.rays, paths.hits, paths.materials, paths.plain_triangles);
+  if (paths.light) surfaces.wavelength = &*paths.light;
   switch (kernel) {
     case Kernel::kDiffuse:
       return shade(paths, diffuse_vertices(surfaces), depth);
@@ -225,7 +247,7 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
     if (light == kNoLight) continue;
     const Vec2Of<FloatN>& uv = vertices.surface().uv;
     const Vec2 uv_of_lane{FloatLanes(uv.x)[lane], FloatLanes(uv.y)[lane]};
-    add_emission(paths.states[lane],
+    add_emission(paths.states.at(lane),
                  {Vec3Lanes(vertices.position())[lane], scene_.primitives().uv_sets(hit, uv_of_lane),
                   Vec3Lanes(vertices.wo())[lane], light, paths.rays.get(&Ray::time, lane)},
                  depth);
@@ -249,30 +271,42 @@ void PathTracer::add_environment(const Paths& paths, int depth) {
   const RgbLanes radiance(seen.radiance);
   const FloatLanes pdf(seen.pdf);
   for (std::size_t lane = 0; lane < paths.count; ++lane) {
-    const PathState state = paths.states[lane];
+    const RowView<PathState> state = paths.states.at(lane);
     const float weight = emitter_hit_weight(light, state, [&] { return pdf[lane]; });
     if (weight > 0)
-      add(state.path, state.throughput * radiance[lane] * weight, depth, light,
+      add(paths.path[lane], state.get(&PathState::throughput) * radiance[lane] * weight, depth, light,
           LightParts::Source::kEnvironment);
   }
 }
 
 // Adds emission hit by the ray itself.
-void PathTracer::add_emission(const PathState& state, const EmitterHit& hit, int depth) {
+void PathTracer::add_emission(RowView<PathState> state, const EmitterHit& hit, int depth) {
   scene_.with_area_light(hit.light, hit.time, [&](const AreaLight& area) {
-    const auto pdf = [&] { return area.pdf(state.last.position, hit.position); };
+    const auto pdf = [&] { return area.pdf(state.get(&PathState::last).position, hit.position); };
     const float weight = depth == 0 && lens_lights_ != nullptr ? camera_ray_weight(state, hit, pdf())
                                                                : emitter_hit_weight(hit.light, state, pdf);
     if (weight > 0)
-      add(state.path,
-          state.throughput * area.emitted(scene_.textures(), hit.position, hit.uv, hit.wo) * weight, depth,
-          hit.light);
+      add(state.get(&PathState::path),
+          state.get(&PathState::throughput) * area.emitted(scene_.textures(), hit.position, hit.uv, hit.wo) *
+              weight,
+          depth, hit.light);
   });
 }
 
+// Adds what a surface emits towards a ray that passes it.
+void PathTracer::add_passed_emission(RowView<PathState> state, const Ray& ray, const Hit& hit,
+                                     const SurfacePoint& surface, int depth) {
+  const std::uint32_t light = scene_.light_of(hit);
+  if (light == kNoLight) return;
+  add_emission(state,
+               {surface.position, scene_.primitives().uv_sets(hit, surface.uv), normalize(-ray.direction),
+                light, ray.time},
+               depth);
+}
+
 // The weight of light that a camera ray found, against connections to the lens.
-float PathTracer::camera_ray_weight(const PathState& state, const EmitterHit& hit, float light_pdf) const {
-  return lens_lights_->weight(settings_.heuristic, {.focus = state.last.position,
+float PathTracer::camera_ray_weight(RowView<PathState> state, const EmitterHit& hit, float light_pdf) const {
+  return lens_lights_->weight(settings_.heuristic, {.focus = state.get(&PathState::last).position,
                                                     .direction = -hit.wo,
                                                     .time = hit.time,
                                                     .light = hit.light,
@@ -282,11 +316,13 @@ float PathTracer::camera_ray_weight(const PathState& state, const EmitterHit& hi
 // The weight of light that a BSDF sample found. If the previous vertex could also have sampled it, `nee`
 // leaves it to light sampling and `mis` weighs it. `pdf` is the density of the direction, given the light.
 template <typename Pdf>
-float PathTracer::emitter_hit_weight(std::uint32_t light, const PathState& state, Pdf pdf) const {
-  if (state.last_pdf == kDeltaPdf || settings_.integrator == Integrator::kNaive) return 1;
-  if (settings_.integrator == Integrator::kNee || state.emitter_mis_scale == 0) return 0;
-  const float pmf = light_sampler_.pmf(state.last, light, compensation_);
-  return state.emitter_mis_scale * mis_weight(settings_.heuristic, state.last_pdf, pmf * pdf());
+float PathTracer::emitter_hit_weight(std::uint32_t light, RowView<PathState> state, Pdf pdf) const {
+  const float last_pdf = state.get(&PathState::last_pdf);
+  if (last_pdf == kDeltaPdf || settings_.integrator == Integrator::kNaive) return 1;
+  const float scale = state.get(&PathState::emitter_mis_scale);
+  if (settings_.integrator == Integrator::kNee || scale == 0) return 0;
+  const float pmf = light_sampler_.pmf(state.get(&PathState::last), light, compensation_);
+  return scale * mis_weight(settings_.heuristic, last_pdf, pmf * pdf());
 }
 
 // The rays are those that follow the paths'. Where nothing moves, rays have no times.
@@ -381,6 +417,10 @@ void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Gui
   states.put(&PathState::last, {vertices.position(), vertices.light_normal()});
   states.put(&PathState::emitter_mis_scale, next.emitter_mis_scale);
   states.put(&PathState::guiding_pdf_ratio, guiding_pdf_ratio);
+  if (!scene_.has_dispersion()) return;
+  const MaskN refracted = paths.disperses_light & (dot(next.wi, vertices.side_normal()) < 0);
+  states.put(&PathState::wavelength_nm, paths.light ? wavelength_beyond(*paths.light, refracted)
+                                                    : paths.states.all(&PathState::wavelength_nm));
 }
 
 template <typename Vertices>

@@ -37,9 +37,10 @@ class PathTracer {
   PathTracer(const RenderPlan& plan, std::span<const Sampler> samplers, std::span<Rgb> radiance,
              std::span<LightParts> parts = {});
 
-  // Starts path paths[i], which must not be active, with the camera ray rays[i], for up to kLaneCount of
-  // them. focuses[i] is where the camera has the ray in focus, if the plan has lens lights.
-  void begin(std::span<const Ray> rays, std::span<const std::uint32_t> paths, std::span<const Vec3> focuses);
+  // Starts path paths[i], which must not be active, with the camera ray in lane i, for up to kLaneCount of
+  // them. `focuses` are where the camera has the rays in focus, if the plan has lens lights.
+  void begin(const RayOf<FloatN>& rays, std::span<const std::uint32_t> paths,
+             const Vec3Of<FloatN>& focuses = {});
   // Adds light that arrives at the lens to a path that has begun, unless something is in the way. For up to
   // kBatchPaths connections, which are traced together by add_connections(), before the next step.
   void connect(std::uint32_t path, const LensLights::Connection& connection) {
@@ -74,6 +75,7 @@ class PathTracer {
   template <typename Vertices>
   void shade(const Paths& paths, const Vertices& vertices, int depth);
   void shade(Kernel kernel, const Paths& paths, int depth);
+  void find_wavelengths(Paths& paths, int depth) const;
   template <typename PadAt>
   std::array<FloatN, 4> numbers(const Paths& paths, int depth, PadAt pad_at) const;
   void add_environment(const Paths& paths, int depth);
@@ -85,11 +87,13 @@ class PathTracer {
     std::uint32_t light;
     float time;
   };
-  void add_emission(const PathState& state, const EmitterHit& hit, int depth);
+  void add_emission(RowView<PathState> state, const EmitterHit& hit, int depth);
+  void add_passed_emission(RowView<PathState> state, const Ray& ray, const Hit& hit,
+                           const SurfacePoint& surface, int depth);
   void put_times(const Paths& paths, const NewRows<Ray>& rays) const;
-  float camera_ray_weight(const PathState& state, const EmitterHit& hit, float light_pdf) const;
+  float camera_ray_weight(RowView<PathState> state, const EmitterHit& hit, float light_pdf) const;
   template <typename Pdf>
-  float emitter_hit_weight(std::uint32_t light, const PathState& state, Pdf pdf) const;
+  float emitter_hit_weight(std::uint32_t light, RowView<PathState> state, Pdf pdf) const;
   using Guidance = LightGuide::GuidanceOf<FloatN>;
   template <typename Vertices>
   Guidance guidance_at(const Vertices& vertices) const;

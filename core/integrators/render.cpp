@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/parallel_errors.hpp"
+#include "core/geometry/ray_lanes.hpp"
 #include "core/integrators/path.hpp"
 #include "core/integrators/sample_layers.hpp"
 #include "core/math/lane_array.hpp"
@@ -136,55 +137,65 @@ class Renderer {
     for (std::size_t i = 0; i < kLaneCount; ++i)
       samplers[i] = &samplers_[numbers[i < numbers.size() ? i : 0]];
     const auto pads = Sampler::pads(samplers, kCameraPad);
-    const FloatLanes u_x(pads[0]), u_y(pads[1]), lens_u(pads[2]), lens_v(pads[3]);
-    FloatLanes time{};
-    if (scene_.has_motion()) time = FloatLanes(Sampler::pads(samplers, kTimePad)[0]);
-    std::array<Ray, kLaneCount> rays;
-    std::array<Vec3, kLaneCount> focuses;
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      const Vec2 raster = raster_of(numbers[i], {u_x[i], u_y[i]});
-      rays[i] =
-          scene_.camera_ray(raster, settings_.width_px, settings_.height_px, {lens_u[i], lens_v[i]}, time[i]);
-      layers_.begin(rays[i], samples_[numbers[i]].id, samplers_[numbers[i]]);
-      if (plan_.lens_lights() != nullptr) focuses[i] = focus_of(raster, time[i]);
-    }
+    const Vec2Of<FloatN> raster = rasters_of(numbers, {pads[0], pads[1]});
+    const FloatN time = scene_.has_motion() ? Sampler::pads(samplers, kTimePad)[0] : 0.0f;
+    const RayOf<FloatN> rays =
+        scene_.camera_rays(raster, settings_.width_px, settings_.height_px, {pads[2], pads[3]}, time);
+    if (layers_.see_surfaces()) begin_layers(numbers, rays);
     if (plan_.sample_tracer() != nullptr) return trace_samples(numbers, rays);
-    path_tracer_.begin(std::span(rays).first(numbers.size()), numbers, focuses);
-    if (plan_.lens_lights() != nullptr) connect_lens(numbers, samplers, time);
+    if (plan_.lens_lights() == nullptr) return path_tracer_.begin(rays, numbers);
+    const Vec3Lanes focuses = focuses_of(numbers.size(), raster, time);
+    path_tracer_.begin(rays, numbers, focuses.all());
+    connect_lens(numbers, samplers, focuses, FloatLanes(time));
   }
 
-  void trace_samples(std::span<const std::uint32_t> numbers, std::span<const Ray> rays) {
+  // Where in the image each sample is. Lanes without a sample repeat the first.
+  Vec2Of<FloatN> rasters_of(std::span<const std::uint32_t> numbers, Vec2Of<FloatN> u) const {
+    const FloatLanes u_x(u.x), u_y(u.y);
+    FloatLanes x, y;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      const SampleId id = samples_[numbers[lane < numbers.size() ? lane : 0]].id;
+      const Vec2 raster = sample_raster(settings_.filter, id.x, id.y, {u_x[lane], u_y[lane]});
+      x.set(lane, raster.x), y.set(lane, raster.y);
+    }
+    return {x.all(), y.all()};
+  }
+
+  [[gnu::noinline]] void begin_layers(std::span<const std::uint32_t> numbers, const RayOf<FloatN>& rays) {
+    const RayLanes of_lanes(rays);
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      layers_.begin(of_lanes[i], samples_[numbers[i]].id, samplers_[numbers[i]]);
+  }
+
+  void trace_samples(std::span<const std::uint32_t> numbers, const RayOf<FloatN>& rays) {
+    const RayLanes of_lanes(rays);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const std::uint32_t number = numbers[i];
       radiance_[number] =
-          plan_.sample_tracer()(plan_, samplers_[number], rays[i], counters_, layers_.parts_of(number));
+          plan_.sample_tracer()(plan_, samplers_[number], of_lanes[i], counters_, layers_.parts_of(number));
       deposit_or_report(number);
     }
   }
 
-  // Of a point of the image. Apart, as what few scenes need.
-  [[gnu::noinline]] Vec3 focus_of(Vec2 raster, float time) const {
-    return scene_.with_camera(time, [&](const Camera& camera) {
-      return camera.focus(raster, settings_.width_px, settings_.height_px);
-    });
-  }
-
-  Vec2 raster_of(std::uint32_t number, Vec2 u) const {
-    const SampleId id = samples_[number].id;
-    return sample_raster(settings_.filter, id.x, id.y, u);
+  // The points in focus of `count` points of the image. Apart, as what few scenes need.
+  [[gnu::noinline]] Vec3Lanes focuses_of(std::size_t count, Vec2Of<FloatN> raster, FloatN time) const {
+    const FloatLanes x(raster.x), y(raster.y), times(time);
+    Vec3Lanes focuses(Vec3Of<FloatN>{});
+    for (std::size_t i = 0; i < count; ++i)
+      focuses.set(i, scene_.with_camera(times[i], [&](const Camera& camera) {
+        return camera.focus({x[i], y[i]}, settings_.width_px, settings_.height_px);
+      }));
+    return focuses;
   }
 
   [[gnu::noinline]] void connect_lens(std::span<const std::uint32_t> numbers,
                                       const std::array<const Sampler*, kLaneCount>& samplers,
-                                      const FloatLanes& time) {
-    const auto of_camera = Sampler::pads(samplers, kCameraPad);
-    const FloatLanes u_x(of_camera[0]), u_y(of_camera[1]);
+                                      const Vec3Lanes& focuses, const FloatLanes& time) {
     const auto pads = Sampler::pads(samplers, kLensLightPad);
     const FloatLanes u(pads[0]), v(pads[1]), coarse(pads[2]), fine(pads[3]);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
-      const Vec3 focus = focus_of(raster_of(numbers[i], {u_x[i], u_y[i]}), time[i]);
-      const auto connection =
-          plan_.lens_lights()->connect(settings_.heuristic, focus, time[i], {u[i], v[i], coarse[i], fine[i]});
+      const auto connection = plan_.lens_lights()->connect(settings_.heuristic, focuses[i], time[i],
+                                                           {u[i], v[i], coarse[i], fine[i]});
       if (connection) path_tracer_.connect(numbers[i], *connection);
     }
   }

@@ -37,7 +37,7 @@ void SampleLayers::divide_by_groups() {
     parts_[slot].groups = std::span(light_of_groups_).subspan(slot * count, count);
 }
 
-void SampleLayers::note_camera_ray(const Ray& ray, SampleId id, const Sampler& sampler) {
+void SampleLayers::begin(const Ray& ray, SampleId id, const Sampler& sampler) {
   rays_.push_back(ray);
   samplers_.push_back(&sampler);
   pixels_.push_back(pixel_of(id));

@@ -30,10 +30,10 @@ class SampleLayers {
     return &parts_[slot];
   }
 
-  // A sample has begun with this camera ray. The sampler is used by add_surfaces().
-  void begin(const Ray& ray, SampleId id, const Sampler& sampler) {
-    if (sees_surfaces_) note_camera_ray(ray, id, sampler);
-  }
+  // Whether a layer is of what camera rays hit. Then each sample that begins must be told with its ray; the
+  // sampler is used by add_surfaces().
+  bool see_surfaces() const { return sees_surfaces_; }
+  void begin(const Ray& ray, SampleId id, const Sampler& sampler);
   // Adds what is seen of surfaces by all samples that have begun since the last call. Returns the number of
   // rays traced.
   std::uint64_t add_surfaces();
@@ -43,7 +43,6 @@ class SampleLayers {
   void finish();
 
  private:
-  void note_camera_ray(const Ray& ray, SampleId id, const Sampler& sampler);
   static constexpr std::array kCryptoLayers{Layer::kCryptoObject, Layer::kCryptoMaterial,
                                             Layer::kCryptoAsset};
 
@@ -60,7 +59,7 @@ class SampleLayers {
   const Scene& scene_;
   FilmTile* const tile_;
   const LayerSet layers_;
-  const bool sees_surfaces_;  // whether a layer is of what camera rays hit
+  const bool sees_surfaces_;
   std::array<std::size_t, kLayerCount> first_planes_{};
   std::vector<LightParts> parts_;
   struct Group {

@@ -57,6 +57,14 @@ std::vector<Signature> signatures_of(const Scene& scene) {
   return signatures;
 }
 
+// A hit of which only the primitive and the instance are known.
+Hit place_of(ColumnsView<const Hit> hits, std::size_t i) {
+  Hit place;
+  place.primitive = hits.get(&Hit::primitive, i);
+  place.instance = hits.get(&Hit::instance, i);
+  return place;
+}
+
 }  // namespace
 
 MaterialBins material_bins(const Scene& scene) {
@@ -86,7 +94,7 @@ void ShadingBins::sort(ColumnsView<const Ray> rays, ColumnsView<const Hit> hits,
   for (Slots& bin : bins_) bin.triangles = bin.others = 0;
   escaped_.triangles = 0;
   prefetch(hits);
-  for (std::uint32_t slot = 0; slot < hits.size(); ++slot) add_hit(hits[slot], slot);
+  for (std::uint32_t slot = 0; slot < hits.size(); ++slot) add_hit(place_of(hits, slot), slot);
   if (bins_.back().size() > 0) find_scatterers(rays, hits, boundaries);
   for (Slots& bin : bins_) bin.close_gap();
 }
@@ -94,7 +102,7 @@ void ShadingBins::sort(ColumnsView<const Ray> rays, ColumnsView<const Hit> hits,
 // The data of all triangle vertices may be spread over memory.
 void ShadingBins::prefetch(ColumnsView<const Hit> hits) const {
   for (std::size_t i = 0; i < hits.size(); ++i) {
-    const Hit hit = hits[i];
+    const Hit hit = place_of(hits, i);
     if (!hit.found()) continue;
     const Primitives& owner = scene_.primitives().owner(hit);
     if (owner.is_triangle(hit.primitive)) owner.prefetch_triangle(hit.primitive);

@@ -108,6 +108,22 @@ class ColumnsView {
   std::size_t stride_ = 0, count_ = 0;
 };
 
+// One row of columns, of which single fields are read.
+template <typename Row>
+class RowView {
+ public:
+  RowView(ColumnsView<const Row> columns, std::size_t i) : columns_(columns), i_(i) {}
+
+  template <typename Field>
+  Field get(Field Row::*field) const {
+    return columns_.get(field, i_);
+  }
+
+ private:
+  ColumnsView<const Row> columns_;
+  std::size_t i_;
+};
+
 // A row on its own, for functions of columns.
 template <typename Row>
 class SingleRow {
@@ -133,6 +149,7 @@ class RowLanes {
   Field get(Field Row::*field, std::size_t lane) const {
     return columns_.get(field, rows_[lane]);
   }
+  RowView<Row> at(std::size_t lane) const { return {columns_, rows_[lane]}; }
   template <typename Field>
   InLanes<Field> all(Field Row::*field) const {
     return columns_.field(field).in_lanes(rows_.all());
@@ -190,9 +207,8 @@ class NewRows {
   }
   // Writes the same row into all.
   void fill(const Row& row) const {
-    const auto numbers = std::bit_cast<std::array<float, kColumnsOf<Row>>>(row);
-    for (std::size_t c = 0; c < numbers.size(); ++c)
-      FloatN::broadcast(numbers[c]).store_unaligned(rows_.column(c));
+    for (std::size_t c = 0; c < kColumnsOf<Row>; ++c)
+      FloatN::broadcast(reinterpret_cast<const float*>(&row)[c]).store_unaligned(rows_.column(c));
   }
 
  private:

@@ -27,6 +27,12 @@ struct Vec3Of {
 };
 using Vec3 = Vec3Of<float>;
 
+// `v` in each lane.
+template <typename T>
+Vec3Of<T> broadcast(Vec3 v) {
+  return {v.x, v.y, v.z};
+}
+
 template <typename T = float>
 T dot(Vec3Of<T> a, Vec3Of<T> b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/overloaded.hpp"
+#include "core/math/lane_array.hpp"
 #include "core/scene/absorbing_media.hpp"
 #include "core/scene/area_lights.hpp"
 #include "core/scene/model.hpp"
@@ -70,28 +71,49 @@ void Scene::set_materials(std::vector<Material> materials, std::vector<MediumDes
     for (const MediumDescription& medium : media) media_.emplace_back(medium, grids_);
   nested_dielectrics_ = NestedDielectrics(materials);
   is_opaque_ = nested_dielectrics_.empty();
+  has_dispersion_ = hides_surfaces_ = false;
   materials_ = std::move(materials);
   for (Material& material : materials_) {
     material.opacity = without_constant_texture(material.opacity, textures_);
-    is_opaque_ &= core::is_opaque(material, materials_);
+    has_dispersion_ |= disperses(material.model);
+    hides_surfaces_ |= !material.visible_to_camera;
+    is_opaque_ &= core::is_opaque(material, materials_) && material.visible_to_camera;
   }
 }
 
 namespace {
 
-void drop_second_uvs(std::vector<ShapeDescription>& shapes) {
-  for (ShapeDescription& shape : shapes)
-    if (auto* mesh = std::get_if<MeshDescription>(&shape)) mesh->second_uvs = std::vector<Vec2>();
+bool follows_tangents(const Material& material) {
+  return material.normal_map.texture >= 0 || highlight_direction(material.model) != nullptr ||
+         with_own_coat_frame(material.model) != nullptr;
+}
+
+// Calls what(mesh) for all meshes, also those of objects.
+template <typename What>
+void for_each_mesh(SceneDescription& scene, const What& what) {
+  const auto visit_all = [&](std::vector<ShapeDescription>& shapes) {
+    for (ShapeDescription& shape : shapes)
+      if (auto* mesh = std::get_if<MeshDescription>(&shape)) what(*mesh);
+  };
+  visit_all(scene.shapes);
+  for (ObjectDescription& object : scene.objects) visit_all(object.shapes);
 }
 
 }  // namespace
 
+// What takes memory and time, and no material uses.
+void Scene::drop_unused_attributes(SceneDescription& description) const {
+  if (std::ranges::none_of(textures_, [](const Texture& t) { return t.uv_set == UvSet::kSecond; }))
+    for_each_mesh(description, [](MeshDescription& mesh) { mesh.second_uvs = std::vector<Vec2>(); });
+  if (animation().materials.empty() && std::ranges::none_of(materials_, follows_tangents))
+    for_each_mesh(description, [](MeshDescription& mesh) {
+      mesh.tangents = std::vector<VertexTangent>();
+      for (MeshStep& step : mesh.steps) step.tangents = std::vector<VertexTangent>();
+    });
+}
+
 void Scene::add_shapes(SceneDescription& description) {
-  // They take memory and time, and only textures use them.
-  if (std::ranges::none_of(textures_, [](const Texture& t) { return t.uv_set == UvSet::kSecond; })) {
-    drop_second_uvs(description.shapes);
-    for (ObjectDescription& object : description.objects) drop_second_uvs(object.shapes);
-  }
+  drop_unused_attributes(description);
   Model model = make_model(description.shapes);
   ids_.set_starts(std::move(model.starts));
   quads_.own = std::move(model.quads);
@@ -109,6 +131,18 @@ void Scene::add_shapes(SceneDescription& description) {
 
 Camera Scene::moving_camera(float time) const {
   return Camera(poses_.camera_at(shutter_.at(time)));
+}
+
+RayOf<FloatN> Scene::moving_camera_rays(Vec2Of<FloatN> raster, int width_px, int height_px,
+                                        Vec2Of<FloatN> u_lens, FloatN time) const {
+  const FloatLanes x(raster.x), y(raster.y), u(u_lens.x), v(u_lens.y), times(time);
+  Vec3Lanes origins, directions;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const Ray ray =
+        moving_camera(times[lane]).ray({x[lane], y[lane]}, width_px, height_px, {u[lane], v[lane]});
+    origins.set(lane, ray.origin), directions.set(lane, ray.direction);
+  }
+  return {origins.all(), directions.all()};
 }
 
 void Scene::open_shutter() {

@@ -49,12 +49,13 @@ class Scene {
   auto with_camera(float time, const What& what) const {
     return camera_moves_ ? what(moving_camera(time)) : what(camera_);
   }
-  // Camera::ray() at such a time.
-  Ray camera_ray(Vec2 raster, int width_px, int height_px, Vec2 u_lens, float time) const {
-    Ray ray = with_camera(
-        time, [&](const Camera& camera) { return camera.ray(raster, width_px, height_px, u_lens); });
-    ray.time = time;
-    return ray;
+  // Camera::ray() at such times.
+  RayOf<FloatN> camera_rays(Vec2Of<FloatN> raster, int width_px, int height_px, Vec2Of<FloatN> u_lens,
+                            FloatN time) const {
+    RayOf<FloatN> rays = camera_moves_ ? moving_camera_rays(raster, width_px, height_px, u_lens, time)
+                                       : camera_.ray(raster, width_px, height_px, u_lens);
+    rays.time = time;
+    return rays;
   }
   // Camera::depth() at the same time.
   float camera_depth(Vec3 origin, Vec3 point, float time) const {
@@ -84,8 +85,13 @@ class Scene {
   // Whether it has a light or a medium that emits.
   bool gives_light() const;
 
-  // Whether no surface lets light pass through but by its model's transmission. Nested dielectrics may.
+  // Whether no surface lets light pass through but by its model's transmission. Nested dielectrics may, and
+  // what is hidden from the camera.
   bool is_opaque() const { return is_opaque_; }
+  // Whether some material refracts light by its wavelength.
+  bool has_dispersion() const { return has_dispersion_; }
+  // Whether some are hidden from the camera.
+  bool hides_surfaces() const { return hides_surfaces_; }
   const Material& material_of(const Hit& hit) const { return materials_[primitives_.material(hit)]; }
   // Their boundaries stand behind the described materials.
   const NestedDielectrics& nested_dielectrics() const { return nested_dielectrics_; }
@@ -105,8 +111,11 @@ class Scene {
  private:
   // Sets materials and media as they are described, with the media that materials add.
   void set_materials(std::vector<Material> materials, std::vector<MediumDescription> media);
+  void drop_unused_attributes(SceneDescription& description) const;
   void add_shapes(SceneDescription& description);
   Camera moving_camera(float time) const;
+  RayOf<FloatN> moving_camera_rays(Vec2Of<FloatN> raster, int width_px, int height_px, Vec2Of<FloatN> u_lens,
+                                   FloatN time) const;
   // The environment at a pose: that of the present frame, which is moved from, if it has no keyframes.
   std::optional<Light> environment_at(const Pose& pose);
   // Lets move at the present frame what moves while the shutter is open, and places what stands still
@@ -132,7 +141,7 @@ class Scene {
   std::vector<Texture> textures_;
   std::vector<Material> materials_;
   NestedDielectrics nested_dielectrics_;
-  bool is_opaque_ = true;
+  bool is_opaque_ = true, hides_surfaces_ = false, has_dispersion_ = false;
   std::shared_ptr<const std::vector<VoxelGrid>> grids_;
   std::vector<Medium> media_;
   int camera_medium_ = kNoMedium;

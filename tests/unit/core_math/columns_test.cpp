@@ -80,6 +80,7 @@ TEST(Columns, AreReadInLanes) {
     EXPECT_EQ(positions[lane], expected.position);
     EXPECT_EQ(ids[lane], expected.id);
     EXPECT_EQ(lanes.get(&Particle::mass, lane), expected.mass);
+    EXPECT_EQ(lanes.at(lane).get(&Particle::position), expected.position);
   }
   const RowLanes<Particle> some = lanes.filled(0b110, 2);
   EXPECT_EQ(some[0], lanes[2]);

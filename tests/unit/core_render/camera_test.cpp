@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/geometry/ray_lanes.hpp"
 #include "core/lights/equirectangular.hpp"
 #include "core/math/frame.hpp"
 #include "core/sampling/sampler.hpp"
@@ -37,6 +38,33 @@ std::vector<CameraDescription> lenses() {
   parallel.type = CameraType::kOrthographic;
   parallel.view_height = 3;
   return {disk, blades, parallel};
+}
+
+TEST(Camera, RaysInLanesAreThoseOfScalars) {
+  std::vector<CameraDescription> descriptions = lenses();
+  descriptions.push_back(kAhead);
+  descriptions.push_back(kAhead);
+  descriptions.back().type = CameraType::kPanoramic;
+  for (const CameraDescription& description : descriptions) {
+    const Camera camera(description);
+    for (int i = 0; i < 1000; ++i) {
+      FloatLanes x, y, u, v;
+      for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+        const auto random = Sampler(4, i, static_cast<int>(lane), 0).pad(0);
+        x.set(lane, 200 * random[0]), y.set(lane, 100 * random[1]);
+        u.set(lane, random[2]), v.set(lane, random[3]);
+      }
+      const RayLanes rays(
+          camera.ray(Vec2Of<FloatN>{x.all(), y.all()}, 200, 100, Vec2Of<FloatN>{u.all(), v.all()}));
+      for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+        const Ray alone = camera.ray({x[lane], y[lane]}, 200, 100, {u[lane], v[lane]});
+        ASSERT_EQ(rays[lane].origin, alone.origin);
+        ASSERT_EQ(rays[lane].direction, alone.direction);
+        ASSERT_EQ(rays[lane].t_max, alone.t_max);
+        ASSERT_EQ(rays[lane].time, alone.time);
+      }
+    }
+  }
 }
 
 TEST(Camera, KnowsWhereOnTheLensARayComesFrom) {

@@ -49,7 +49,8 @@ class PathBatch : public testing::TestWithParam<Integrator> {
         free.pop_back();
         serves[path] = next;
         samplers[path] = starts_[order[next]].sampler;
-        tracer->begin({&starts_[order[next]].ray, 1}, {&path, 1}, {});
+        const Ray& ray = starts_[order[next]].ray;
+        tracer->begin({broadcast<FloatN>(ray.origin), broadcast<FloatN>(ray.direction)}, {&path, 1});
       }
       for (const std::uint32_t path : tracer->step(counters_)) {
         radiance[serves[path]] = found[path];
