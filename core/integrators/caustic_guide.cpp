@@ -10,6 +10,7 @@
 #include "core/integrators/caustic_casters.hpp"
 #include "core/integrators/direct_light.hpp"
 #include "core/integrators/opacity.hpp"
+#include "core/integrators/path_wavelength.hpp"
 #include "core/integrators/vertex.hpp"
 #include "core/sampling/sampler.hpp"
 #include "core/sampling/warp.hpp"
@@ -66,8 +67,10 @@ class PhotonTracer {
     const auto first = begin(sampler);
     if (!first) return;
     auto [origin, ray, hit, enclosure, flux, radiance] = *first;
+    float wavelength_nm = 0;
     for (int bounce = 0; bounce < kMaxBounces && hit.found() && luminance(flux) > 0; ++bounce) {
-      const PathVertex vertex(scene_, ray, hit, enclosure.boundary);
+      const PathVertex vertex(scene_, ray, hit, enclosure.boundary,
+                              wavelength_in(scene_, wavelength_nm, sampler, wavelength_pad(bounce)));
       const float distance = length(vertex.position() - origin);
       if (!casters_.contain(hit) && !vertex.is_delta() && distance > 0)
         photons.push_back({vertex.position(), vertex.side_normal(), vertex.wo(), distance, luminance(flux),
@@ -80,8 +83,10 @@ class PhotonTracer {
       if (u[3] >= survival) return;
       flux *= weight / survival;
       radiance = casters_.contain(hit) ? radiance * weight : Rgb{};
+      wavelength_nm = vertex.wavelength_along(next->wi);
       const Ray scattered = vertex.ray_along(next->wi);
-      const Met met = meet_by_chance(scene_, scattered, sampler, ray_name(bounce + 1), enclosure);
+      const Met met =
+          meet_by_chance(scene_, RayOrigin::kScene, scattered, sampler, ray_name(bounce + 1), enclosure);
       flux *= met.tint;
       radiance *= met.tint;
       origin = scattered.origin;
@@ -113,7 +118,8 @@ class PhotonTracer {
                                      : position + light->wi * beyond_scene_;
     const Ray first{origin, normalize(position - origin), std::numeric_limits<float>::infinity(), kGuideTime};
     Enclosure enclosure;  // as if the light were in the open
-    const auto [ray, hit, traced, tint] = meet_by_chance(scene_, first, sampler, ray_name(0), enclosure);
+    const auto [ray, hit, traced, tint] =
+        meet_by_chance(scene_, RayOrigin::kScene, first, sampler, ray_name(0), enclosure);
     if (hit.instance != instance || hit.primitive != primitive) return std::nullopt;
     // The ray may have hit the near side of a sphere whose far side was sampled.
     const SurfacePoint surface = scene_.primitives().surface(ray, hit);
@@ -145,7 +151,8 @@ float probe_other_light(const Scene& scene, const LightSampler& lights, const Ph
   Enclosure enclosure;
   RenderCounters uncounted;
   for (int depth = 1; depth <= kProbeDepth; ++depth) {
-    const auto [from, hit, traced, tint] = meet_by_chance(scene, ray, sampler, ray_name(depth), enclosure);
+    const auto [from, hit, traced, tint] =
+        meet_by_chance(scene, RayOrigin::kScene, ray, sampler, ray_name(depth), enclosure);
     if (!hit.found()) break;
     throughput *= tint;
     const PathVertex vertex(scene, from, hit, enclosure.boundary);

@@ -29,6 +29,7 @@ struct PathState {
   LightSampleContext last{};      // where the ray was scattered; of a camera ray, where it is in focus
   float emitter_mis_scale = 1;    // scales emission that the ray hits; 0 for guided rays
   float guiding_pdf_ratio = 1;    // product of mixture density / BSDF density, for roulette
+  float wavelength_nm = 0;        // 0 for all; written only if some material disperses light
 };
 
 }  // namespace tessera::core

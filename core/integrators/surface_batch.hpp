@@ -30,7 +30,8 @@ struct SurfaceBatch {
   RgbOf<FloatN> tints() const;
   // What the models' parameters are evaluated at.
   MaterialPointOf<FloatN> material_point() const {
-    return {scene.textures(), uv_sets(), side.outside, tints(), scene.primitives().has_vertex_colors()};
+    return {scene.textures(), uv_sets(), side.outside, tints(), scene.primitives().has_vertex_colors(),
+            wavelength};
   }
   UvSetsOf<FloatN> uv_sets() const { return scene.primitives().uv_sets(hits, surface.uv); }
   // The lanes where the viewer sees the back of a surface that only its front scatters from.
@@ -44,6 +45,7 @@ struct SurfaceBatch {
   SurfacePointOf<FloatN> surface;
   Vec3Of<FloatN> wo;  // unit, towards the origins of the rays
   ViewedSide<FloatN> side;
+  const WavelengthOf<FloatN>* wavelength = nullptr;  // of the light, if any of the materials disperses
 
  private:
   Vec3Of<FloatN> normal_mapped() const;

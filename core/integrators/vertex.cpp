@@ -28,6 +28,7 @@ const Material& scatterer_of(const Scene& scene, const Hit& hit, const SurfacePo
 }
 
 Tangents image_tangents(const Scene& scene, const Texture& map, const Hit& hit, const SurfacePoint& surface) {
+  if (const auto of_vertices = scene.primitives().vertex_tangents(hit, surface)) return *of_vertices;
   if (!map.is_sheared()) {
     const auto [along_u, along_v] = scene.primitives().tangents(hit, surface, map.uv_set);
     return {along_image(along_u, map.scale.x), along_image(along_v, map.scale.y)};
@@ -86,29 +87,38 @@ Vec3 viewed_normal(const ViewedSide<float>& side, Vec3 outward, const MaterialMo
   return std::holds_alternative<Lambert>(model) ? seen : ensure_valid_reflection(seen, side.normal, wo);
 }
 
+const Wavelength* pointer_to(const std::optional<Wavelength>& light) {
+  return light ? &*light : nullptr;
+}
+
 }  // namespace
 
-PathVertex::PathVertex(const Scene& scene, const Ray& ray, const Hit& hit, const Material* boundary)
-    : PathVertex(scene, hit, scene.primitives().surface(ray, hit), normalize(-ray.direction), boundary) {
+PathVertex::PathVertex(const Scene& scene, const Ray& ray, const Hit& hit, const Material* boundary,
+                       std::optional<Wavelength> light)
+    : PathVertex(scene, {boundary, light}, hit, scene.primitives().surface(ray, hit),
+                 normalize(-ray.direction)) {
   time_ = ray.time;
 }
 
-PathVertex::PathVertex(const Scene& scene, const Hit& hit, const SurfacePoint& surface, Vec3 wo,
-                       const Material* boundary)
-    : PathVertex(scene, boundary != nullptr ? *boundary : scatterer_of(scene, hit, surface, wo), hit, surface,
-                 wo) {}
-
-PathVertex::PathVertex(const Scene& scene, const Material& material, const Hit& hit,
+PathVertex::PathVertex(const Scene& scene, const Scatterer& scatterer, const Hit& hit,
                        const SurfacePoint& surface, Vec3 wo)
-    : PathVertex(scene, material, hit, surface, wo, ViewedSide<float>(surface, wo)) {}
+    : PathVertex(scene,
+                 {scatterer.material != nullptr ? scatterer.material : &scatterer_of(scene, hit, surface, wo),
+                  scatterer.light},
+                 hit, surface, wo, ViewedSide<float>(surface, wo)) {}
 
-PathVertex::PathVertex(const Scene& scene, const Material& material, const Hit& hit,
+PathVertex::PathVertex(const Scene& scene, const Scatterer& scatterer, const Hit& hit,
                        const SurfacePoint& surface, Vec3 wo, const ViewedSide<float>& side)
     : VertexOf(surface, wo, side.normal,
-               viewed_normal(side, outward_normal(scene, material, hit, surface), material.model, wo),
-               material.shading_normals == ShadingNormals::kPlain,
-               Bsdf(material, scene.textures(), uv_sets_at(scene, hit, surface), side.outside,
-                    scene.primitives().vertex_color(hit))) {
+               viewed_normal(side, outward_normal(scene, *scatterer.material, hit, surface),
+                             scatterer.material->model, wo),
+               scatterer.material->shading_normals == ShadingNormals::kPlain,
+               Bsdf(*scatterer.material,
+                    {scene.textures(), uv_sets_at(scene, hit, surface), side.outside,
+                     scene.primitives().vertex_color(hit), true, pointer_to(scatterer.light)})),
+      light_(scatterer.light),
+      disperses_(disperses(scatterer.material->model)) {
+  const Material& material = *scatterer.material;
   if (const TangentDirection* direction = highlight_direction(material.model))
     bsdf_.orient(frame_.to_local(highlight_tangent(scene, *direction, hit, surface)));
   if (const Principled* coated = with_own_coat_frame(material.model)) {

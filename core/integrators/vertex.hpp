@@ -134,8 +134,10 @@ class VertexOf {
 // A vertex of any material.
 class PathVertex : public VertexOf<float, Bsdf> {
  public:
-  // `boundary`, unless it is null, scatters in place of the material at the hit.
-  PathVertex(const Scene& scene, const Ray& ray, const Hit& hit, const Material* boundary = nullptr);
+  // `boundary`, unless it is null, scatters in place of the material at the hit. Without `light` nothing
+  // is dispersed.
+  PathVertex(const Scene& scene, const Ray& ray, const Hit& hit, const Material* boundary = nullptr,
+             std::optional<Wavelength> light = std::nullopt);
 
   bool is_delta() const { return bsdf_.is_delta(); }
   bool has_delta() const { return bsdf_.has_delta(); }
@@ -157,6 +159,11 @@ class PathVertex : public VertexOf<float, Bsdf> {
   // As DeltaBranches.
   std::array<std::optional<Scattered>, std::tuple_size_v<DeltaBranches>> delta_branches() const;
 
+  // The wavelength of the path that goes on in the direction `wi` (PathState::wavelength_nm).
+  float wavelength_along(Vec3 wi) const {
+    return light_ ? wavelength_beyond(*light_, disperses_ && dot(wi, side_normal_) < 0) : 0;
+  }
+
   // That of the ray that hit the surface.
   float time() const { return time_; }
   // As VertexOf::ray_along(), at the time of the ray that hit the surface.
@@ -165,11 +172,14 @@ class PathVertex : public VertexOf<float, Bsdf> {
   Ray ray_toward(const LightSample& light) const;
 
  private:
-  PathVertex(const Scene& scene, const Hit& hit, const SurfacePoint& surface, Vec3 wo,
-             const Material* boundary);
-  PathVertex(const Scene& scene, const Material& material, const Hit& hit, const SurfacePoint& surface,
+  struct Scatterer {
+    const Material* material;
+    const std::optional<Wavelength>& light;
+  };
+  // A material of null is that at the hit.
+  PathVertex(const Scene& scene, const Scatterer& scatterer, const Hit& hit, const SurfacePoint& surface,
              Vec3 wo);
-  PathVertex(const Scene& scene, const Material& material, const Hit& hit, const SurfacePoint& surface,
+  PathVertex(const Scene& scene, const Scatterer& scatterer, const Hit& hit, const SurfacePoint& surface,
              Vec3 wo, const ViewedSide<float>& side);
 
   Scattered delta_to_world(const BsdfSample& local) const;
@@ -179,6 +189,8 @@ class PathVertex : public VertexOf<float, Bsdf> {
   }
 
   float time_ = 0;
+  std::optional<Wavelength> light_;
+  bool disperses_;
 };
 
 // The texture coordinates of `surface`, where the hit is.

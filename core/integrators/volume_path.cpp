@@ -8,6 +8,7 @@
 #include "core/integrators/direct_light.hpp"
 #include "core/integrators/opacity.hpp"
 #include "core/integrators/path.hpp"
+#include "core/integrators/path_wavelength.hpp"
 #include "core/integrators/path_weights.hpp"
 #include "core/integrators/vertex.hpp"
 #include "core/media/phase_function.hpp"
@@ -89,7 +90,7 @@ class VolumePath {
   bool collides(float t_max, NumberStream& numbers, std::optional<float>& t);
   bool shade_surface(const Hit& hit, const Material& material);
   void add_environment();
-  void add_emission(const PathVertex& vertex, const Hit& hit);
+  void add_emission(const SurfacePoint& surface, const Hit& hit);
   void add_light(Rgb radiance, std::uint32_t light, float pdf, LightParts::Source source);
   template <typename Vertex, typename MediumToward>
   bool scatter(const Vertex& vertex, const MediumToward& medium_toward);
@@ -120,8 +121,8 @@ class VolumePath {
   Enclosure enclosure_;  // of the ray's origin
   int depth_ = 0;
   SpectralWeights weights_;
-  float eta_scale_ = 1;  // as PathState
-  bool delta_ = true;    // only the ray finds what it hits: as PathState::last_pdf == kDeltaPdf
+  float eta_scale_ = 1, wavelength_nm_ = 0;  // as PathState
+  bool delta_ = true;  // only the ray finds what it hits: as PathState::last_pdf == kDeltaPdf
   LightSampleContext last_{};
   Rgb radiance_{}, indirect_{};
 };
@@ -147,10 +148,11 @@ bool VolumePath::step() {
       add_environment();
       return false;
     }
-    const Crossing met = crossing_at(scene_, ray_, hit, crossing, enclosure_);
+    const Crossing met = crossing_at(scene_, origin_at_depth(depth_), ray_, hit, crossing, enclosure_);
     if (met.hit >= 1 ||
         (met.hit > 0 && sampler_.opacity_number(static_cast<std::uint64_t>(depth_), crossing) < met.hit))
       return shade_surface(hit, *met.material);
+    if (met.emits) add_emission(met.surface, hit);
     weights_.throughput *= met.tint();
     medium_ = medium_beyond(met.material, met.surface, ray_.direction, medium_);
     ray_ = {offset_origin(met.surface, ray_.direction), ray_.direction, ray_.t_max, ray_.time};
@@ -168,9 +170,13 @@ bool VolumePath::collides(float t_max, NumberStream& numbers, std::optional<floa
 }
 
 bool VolumePath::shade_surface(const Hit& hit, const Material& material) {
-  const PathVertex vertex(scene_, ray_, hit, enclosure_.boundary);
-  add_emission(vertex, hit);
-  return scatter(vertex, [&](Vec3 wi) { return medium_beyond(&material, vertex.surface(), wi, medium_); });
+  const PathVertex vertex(scene_, ray_, hit, enclosure_.boundary,
+                          wavelength_in(scene_, wavelength_nm_, sampler_, wavelength_pad(depth_)));
+  add_emission(vertex.surface(), hit);
+  const auto medium_toward = [&](Vec3 wi) { return medium_beyond(&material, vertex.surface(), wi, medium_); };
+  if (!scatter(vertex, medium_toward)) return false;
+  wavelength_nm_ = vertex.wavelength_along(ray_.direction);
+  return true;
 }
 
 void VolumePath::add_environment() {
@@ -184,13 +190,14 @@ void VolumePath::add_environment() {
             LightParts::Source::kEnvironment);
 }
 
-void VolumePath::add_emission(const PathVertex& vertex, const Hit& hit) {
+// Adds what a surface emits against the ray.
+void VolumePath::add_emission(const SurfacePoint& surface, const Hit& hit) {
   const std::uint32_t light = scene_.light_of(hit);
   if (light == kNoLight) return;
-  scene_.with_area_light(light, vertex.time(), [&](const AreaLight& area) {
-    const UvSets uv = uv_sets_at(scene_, hit, vertex.surface());
-    add_light(area.emitted(scene_.textures(), vertex.position(), uv, vertex.wo()), light,
-              delta_ ? 0 : area.pdf(last_.position, vertex.position()), LightParts::Source::kEmission);
+  scene_.with_area_light(light, ray_.time, [&](const AreaLight& area) {
+    const UvSets uv = uv_sets_at(scene_, hit, surface);
+    add_light(area.emitted(scene_.textures(), surface.position, uv, normalize(-ray_.direction)), light,
+              delta_ ? 0 : area.pdf(last_.position, surface.position), LightParts::Source::kEmission);
   });
 }
 
@@ -267,7 +274,7 @@ SpectralWeights VolumePath::visibility(const Ray& ray, int medium, Enclosure enc
     const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), rest);
     Crossing met{};
     if (hit.found()) {
-      met = crossing_at(scene_, rest, hit, crossing, enclosure);
+      met = crossing_at(scene_, RayOrigin::kScene, rest, hit, crossing, enclosure);
       weights.throughput *= met.transmittance;
       if (is_black(weights.throughput)) return weights;
     }

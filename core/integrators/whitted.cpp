@@ -7,6 +7,7 @@
 
 #include "core/integrators/direct_light.hpp"
 #include "core/integrators/opacity.hpp"
+#include "core/integrators/path_wavelength.hpp"
 #include "core/integrators/vertex.hpp"
 
 namespace tessera::core {
@@ -20,6 +21,7 @@ struct Branch {
   Rgb weight = Rgb::gray(1);  // multiplies the radiance along the ray
   float eta_scale = 1;        // undoes the compression of radiance by refraction in `weight`
   Enclosure enclosure{};      // where the ray begins
+  float wavelength_nm = 0;    // as PathState
 
   float share() const { return max_component(weight) * eta_scale; }
 };
@@ -45,14 +47,19 @@ class TreeTracer {
   // textures reflect more than they receive, it can be as deep as the tree.
   void follow(Branch branch) {
     while (rays_ < kMaxWhittedRays) {
-      const auto [ray, hit, traced, tint] =
-          meet_by_chance(scene_, branch.ray, sampler_, branch.node, branch.enclosure);
+      const auto [ray, hit, traced, tint] = meet_by_chance(
+          scene_, origin_at_depth(branch.depth), branch.ray, sampler_, branch.node, branch.enclosure,
+          [&](const Ray& at, const Hit& passed, const Crossing& met, Rgb before) {
+            if (met.emits) add_emission(branch, before, met.surface, at, passed);
+          });
       branch.weight *= tint;
       counters_.closest_hit_rays += traced;
       rays_ += static_cast<int>(traced);
       if (!hit.found()) return add_environment(branch);
-      const PathVertex vertex(scene_, ray, hit, branch.enclosure.boundary);
-      add_emission(branch, vertex, hit);
+      const PathVertex vertex(
+          scene_, ray, hit, branch.enclosure.boundary,
+          wavelength_in(scene_, branch.wavelength_nm, sampler_, tree_wavelength_pad(branch.node)));
+      add_emission(branch, Rgb::gray(1), vertex.surface(), ray, hit);
       if (!vertex.is_delta()) add_direct_light(branch, vertex);
       if (!vertex.has_delta()) return;
       if (branch.depth >= max_depth_) return;
@@ -82,7 +89,8 @@ class TreeTracer {
                      branch.depth + 1,
                      branch.weight * direction->weight,
                      branch.eta_scale * direction->eta * direction->eta,
-                     branch.enclosure};
+                     branch.enclosure,
+                     vertex.wavelength_along(direction->wi)};
     }
     return children;
   }
@@ -101,14 +109,16 @@ class TreeTracer {
         scene_.environment_light(), LightParts::Source::kEnvironment);
   }
 
-  void add_emission(const Branch& branch, const PathVertex& vertex, const Hit& hit) {
+  // `tint` is that of the surfaces before it which the branch does not have yet.
+  void add_emission(const Branch& branch, Rgb tint, const SurfacePoint& surface, const Ray& ray,
+                    const Hit& hit) {
     const std::uint32_t light = scene_.light_of(hit);
     if (light == kNoLight) return;
-    const Rgb emitted = scene_.with_area_light(light, vertex.time(), [&](const AreaLight& area) {
-      return area.emitted(scene_.textures(), vertex.position(), uv_sets_at(scene_, hit, vertex.surface()),
-                          vertex.wo());
+    const Rgb emitted = scene_.with_area_light(light, ray.time, [&](const AreaLight& area) {
+      return area.emitted(scene_.textures(), surface.position, uv_sets_at(scene_, hit, surface),
+                          normalize(-ray.direction));
     });
-    add(branch.weight * emitted, branch.depth, light);
+    add(branch.weight * tint * emitted, branch.depth, light);
   }
 
   void add_direct_light(const Branch& branch, const PathVertex& vertex) {

@@ -7,6 +7,9 @@
 
 namespace tessera::core {
 
+// The largest index of refraction, and the least relative to what is outside, among nested dielectrics.
+inline constexpr float kMaxIor = 10, kMinRelativeIor = 1 / kMaxIor;
+
 // With indices of refraction that differ less, floats cannot recover the half vector from the directions.
 inline constexpr float kMinBending = 1e-3f;
 

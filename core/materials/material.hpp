@@ -14,6 +14,7 @@
 
 #include "core/materials/conductor.hpp"
 #include "core/materials/disney.hpp"
+#include "core/materials/dispersion.hpp"
 #include "core/materials/fresnel.hpp"
 #include "core/materials/limits.hpp"
 #include "core/materials/microfacets.hpp"
@@ -24,10 +25,7 @@
 namespace tessera::core {
 
 // Upper limits of parameters; texture values are clamped to them.
-inline constexpr float kMaxIor = 10, kMaxExponent = 1e5f, kMaxHairTiltDegrees = 20;
-
-// The least index of refraction relative to what is outside, among nested dielectrics.
-inline constexpr float kMinRelativeIor = 1 / kMaxIor;
+inline constexpr float kMaxExponent = 1e5f, kMaxHairTiltDegrees = 20;
 
 // The lower limit of an index of refraction: textures have none below 1.
 inline float min_ior(const ScalarParameter& ior) {
@@ -47,7 +45,8 @@ struct Mirror {
 // Dielectric boundary, smooth or with microfacets (Walter et al. 2007). The inside is the side that the
 // geometric normal points away from; outside is air.
 struct Glass {
-  ScalarParameter ior = 1.5f;  // of the inside, relative to the outside
+  ScalarParameter ior = 1.5f;  // of the inside, relative to the outside; if it disperses, at line d
+  Dispersion dispersion{};
   ColorParameter reflectance{Rgb::gray(1)};
   ColorParameter transmittance{Rgb::gray(1)};
   DielectricFresnel fresnel = DielectricFresnel::kExact;
@@ -111,6 +110,7 @@ struct Principled {
   ScalarParameter transmission_weight = 0;
   ColorParameter transmission_color{Rgb::gray(1)};
   ScalarParameter transmission_depth = 0;  // where the colour is reached, in world units; 0: at the boundary
+  Dispersion transmission_dispersion{};    // of the clear base, unless it is thin-walled
   ScalarParameter coat_weight = 0;
   ColorParameter coat_color{Rgb::gray(1)};
   ScalarParameter coat_roughness = 0;
@@ -231,6 +231,8 @@ struct Material {
   MaterialModel model;
   ColorParameter emission{Rgb{}};  // radiance leaving the surface, uniform over directions; black for none
   bool two_sided_emission = true;  // else only on the side the geometric normal points to
+  // Else camera rays pass it as if it were not there, and only those: it emits, reflects and casts shadows.
+  bool visible_to_camera = true;
   Sampling sampling = Sampling::kBsdf;
   NormalMap normal_map{};
   BumpMap bump{};  // applied after the normal map
@@ -245,6 +247,11 @@ struct Material {
   MediumInterface media{};
   std::string light_group{};  // of what it emits; empty for none
 };
+
+// Whether light passes straight through what emits: the surface adds to it.
+inline bool emits_in_passing(const Material& material) {
+  return std::holds_alternative<Null>(material.model) && !is_black(material.emission.value);
+}
 
 // Whether all light that the model transmits passes straight through: a pane, or a boundary between equal
 // indices. Rays then go on behind it (interception_at); only what it reflects is scattered. Surfaces that
@@ -286,6 +293,19 @@ inline bool absorbs_inside(const Principled& model) {
   const ScalarParameter& depth = model.transmission_depth;
   return !model.geometry_thin_walled && transmits_light(model) && depth.texture < 0 && depth.value > 0 &&
          model.transmission_color.texture < 0;
+}
+
+// Whether the model refracts light by its wavelength.
+inline bool disperses(const Glass& model) {
+  return model.dispersion.scale != 0;
+}
+inline bool disperses(const Principled& model) {
+  return model.transmission_dispersion.scale != 0 && !model.geometry_thin_walled && transmits_light(model);
+}
+inline bool disperses(const MaterialModel& model) {
+  if (const auto* glass = std::get_if<Glass>(&model)) return disperses(*glass);
+  const auto* principled = std::get_if<Principled>(&model);
+  return principled != nullptr && disperses(*principled);
 }
 
 // Whether light scatters below the surface, which is approximated.

@@ -23,6 +23,7 @@ struct MaterialPointOf {
   MaskOf<T> outside;     // the viewer is on the side that the outward geometric normal points to
   RgbOf<T> tint;         // multiplies the base colour
   bool has_tint = true;  // else it is white in all lanes
+  const WavelengthOf<T>* wavelength = nullptr;  // of the light, if any material disperses
 
   RgbOf<T> tinted(RgbOf<T> color) const { return has_tint ? color * tint : color; }
 };

@@ -80,6 +80,13 @@ inline constexpr std::uint32_t light_pad(int depth) {
   return 2 + 2 * static_cast<std::uint32_t>(depth);
 }  // light u, v; choice, coarse and fine
 
+// At vertex `depth` of a path whose wavelength is still open: the wavelength. The other numbers are unused.
+// Names are hashes, so that other pads keep their numbers.
+inline constexpr std::uint32_t wavelength_pad(int depth) {
+  constexpr std::uint64_t kWavelengthKey = 0x77617665006c656eu;
+  return static_cast<std::uint32_t>(hash(kWavelengthKey, static_cast<std::uint64_t>(depth)));
+}
+
 // In a scene with media, for the segment that ends at vertex `depth`: collision distance and kind; for the
 // first one, the channel that samples distances. Names are hashes, so that other pads keep their numbers.
 inline constexpr std::uint32_t medium_pad(int depth) {
@@ -102,6 +109,10 @@ inline constexpr std::uint64_t tree_child(std::uint64_t node, std::uint32_t bran
 inline constexpr std::uint32_t tree_light_pad(std::uint64_t node, std::uint32_t light) {
   return static_cast<std::uint32_t>(hash(~node, light));
 }  // light u, v; choice, coarse and fine
+
+inline constexpr std::uint32_t tree_wavelength_pad(std::uint64_t node) {
+  return static_cast<std::uint32_t>(hash(tree_child(node, ~0u), 0));
+}  // the wavelength at the node
 
 // Four crossings of a ray share a pad, whose name is a hash, too.
 inline constexpr std::uint32_t kCrossingsPerPad = 4;

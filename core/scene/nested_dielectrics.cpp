@@ -41,10 +41,32 @@ void drop_priority(MaterialModel& model) {
   if (auto* solid = std::get_if<Principled>(&model)) solid->priority = 0;
 }
 
+template <typename Model>
+auto* dispersion_in(Model& model) {
+  if (auto* glass = std::get_if<Glass>(&model)) return &glass->dispersion;
+  return &std::get_if<Principled>(&model)->transmission_dispersion;
+}
+
+float index_at(const MaterialModel& model, double line_nm) {
+  const float index_d = index_in(model)->value;
+  const float inverse_abbe_number = dispersion_in(model)->inverse_abbe_number();
+  if (inverse_abbe_number == 0) return index_d;
+  return dispersed_index(index_d, inverse_abbe_number, cauchy_abscissa(static_cast<float>(line_nm)));
+}
+
+// Of the index `ratio` of a model relative to another one, with the exact difference of lines F and C.
+Dispersion relative_dispersion(const MaterialModel& model, const MaterialModel& around, float ratio) {
+  const auto ratio_at = [&](double line_nm) { return index_at(model, line_nm) / index_at(around, line_nm); };
+  const float spread = ratio_at(kLineF) - ratio_at(kLineC);
+  return {.scale = spread, .abbe_number = ratio - 1};
+}
+
 // The surface of `material` where `around` is outside.
 Material boundary_in(Material material, const Material& around) {
-  const float ratio = index_in(material.model)->value / index_in(around.model)->value;
-  index_in(material.model)->value = std::clamp(ratio, kMinRelativeIor, kMaxIor);
+  const float ratio =
+      std::clamp(index_in(material.model)->value / index_in(around.model)->value, kMinRelativeIor, kMaxIor);
+  *dispersion_in(material.model) = relative_dispersion(material.model, around.model, ratio);
+  index_in(material.model)->value = ratio;
   material.media.exterior = around.media.interior;
   return material;
 }

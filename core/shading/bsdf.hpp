@@ -79,7 +79,9 @@ class Bsdf : public BsdfOf<float> {
   // colour (MeshDescription::colors).
   Bsdf(const Material& material, const std::vector<Texture>& textures, const UvSets& uv, bool outside,
        Rgb tint = Rgb::gray(1))
-      : BsdfOf(&material, {textures, uv, outside, tint}), black_(!outside && is_one_sided(material)) {}
+      : Bsdf(material, {textures, uv, outside, tint}) {}
+  Bsdf(const Material& material, const MaterialPoint& at)
+      : BsdfOf(&material, at), black_(!at.outside && is_one_sided(material)) {}
 
   bool is_delta() const { return !black_ && BsdfOf::is_delta(); }
   bool has_delta() const { return !black_ && BsdfOf::has_delta(); }

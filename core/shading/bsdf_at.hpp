@@ -93,9 +93,13 @@ SpecularBsdfOf<T, Facets> specular_at(const MaterialsOf<T>& materials, const Mat
   };
   const T ior =
       clamp_between(glass(&Glass::ior), glass.number([](const Glass& m) { return min_ior(m.ior); }), kMaxIor);
-  const T eta = select(at.outside, ior, 1 / ior);
   const T alpha = squared_roughness(glass(&Glass::roughness));
-  const RgbOf<T> reflectance = material(reflectance_of), transmittance = glass(&Glass::transmittance);
+  const RgbOf<T> reflectance = material(reflectance_of);
+  DielectricBoundaryOf<T> boundary(ior, at.outside, reflectance, glass(&Glass::transmittance));
+  if (at.wavelength != nullptr)
+    boundary.disperse(*at.wavelength, ior, at.outside, glass.number([](const Glass& m) {
+      return disperses(m) ? m.dispersion.inverse_abbe_number() : 0.0f;
+    }));
   const DielectricFresnelOf<T> fresnel{has_fresnel(DielectricFresnel::kSchlick),
                                        has_fresnel(DielectricFresnel::kNone)};
   const MaskOf<T> is_glass =
@@ -112,8 +116,8 @@ SpecularBsdfOf<T, Facets> specular_at(const MaterialsOf<T>& materials, const Mat
   return {!is_glass,
           is_rough,
           {mirror_reflectance_at(material, reflectance)},
-          {eta, fresnel, reflectance, transmittance},
-          {facets, eta, fresnel, reflectance, transmittance}};
+          {boundary, fresnel},
+          {facets, boundary, fresnel}};
 }
 
 }  // namespace tessera::core

@@ -21,22 +21,20 @@ class GlassLobe {
   static constexpr bool kIsDiffuse = false;
 
   GlassLobe() = default;
-  // eta of the far side over the near side; smooth if alpha is below kMinAlpha, or eta close to 1.
-  GlassLobe(T eta, T alpha, RgbOf<T> reflectance, RgbOf<T> transmittance)
-      : smooth_{eta, {}, reflectance, transmittance},
-        rough_{GgxOf<T>(larger(alpha, T(kMinAlpha))), eta, {}, reflectance, transmittance} {
+  // Smooth if alpha is below kMinAlpha, or the boundary's eta close to 1.
+  GlassLobe(const DielectricBoundaryOf<T>& boundary, T alpha)
+      : smooth_{boundary, {}}, rough_{GgxOf<T>(larger(alpha, T(kMinAlpha))), boundary, {}} {
     using std::fabs;
-    is_smooth_ = (alpha < kMinAlpha) | (fabs(eta - 1) < kMinBending);
+    is_smooth_ = (alpha < kMinAlpha) | (fabs(boundary.eta - 1) < kMinBending);
   }
 
   MaskOf<T> is_delta() const { return is_smooth_; }
   MaskOf<T> transmits() const { return !is_smooth_; }
-  T eta() const { return rough_.eta; }
+  T eta() const { return rough_.boundary.eta; }
   BsdfValueOf<T> evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T diffuse_cos) const {
     if (all(is_smooth_)) return {};
     const BsdfValueOf<T> single = rough_.evaluate(wo, wi, diffuse_cos);
-    const T scattered =
-        DirectionalAlbedo::tables().template scattered<T>(wo.z, rough_.facets.alpha(), rough_.eta);
+    const T scattered = DirectionalAlbedo::tables().template scattered<T>(wo.z, rough_.facets.alpha(), eta());
     return only_where<T>(!is_smooth_, {single.value / scattered, single.pdf});
   }
   BsdfSampleOf<T> sample(Vec3Of<T> wo, Vec2Of<T> u, T u_lobe) const {

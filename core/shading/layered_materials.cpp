@@ -50,6 +50,13 @@ T reweighed_index(T eta, T weight) {
 }
 
 template <typename T>
+T inverse_abbe_number_of(const ModelAt<T, Principled>& model) {
+  return model.number([](const Principled& m) {
+    return disperses(m) ? m.transmission_dispersion.inverse_abbe_number() : 0.0f;
+  });
+}
+
+template <typename T>
 class PrincipledClosure {
  public:
   explicit PrincipledClosure(const ModelAt<T, Principled>& model)
@@ -167,11 +174,12 @@ class PrincipledClosure {
                                         white<T>(), share(&Principled::transmission_color));
     const RgbOf<T> weight = RgbOf<T>::gray(transmission_);
     const MaskOf<T> solid = clear & !thin_, sheet = clear & thin_;
-    if (any(solid))
-      closure_.template add<kGlassSlot>(
-          solid,
-          GlassLobe<T>(select(outside_, ior, 1 / ior), facets_.mean_alpha(), specular_color_, transmitted),
-          weight);
+    if (any(solid)) {
+      DielectricBoundaryOf<T> boundary(ior, outside_, specular_color_, transmitted);
+      if (const WavelengthOf<T>* light = model_.at().wavelength)
+        boundary.disperse(*light, ior, outside_, inverse_abbe_number_of(model_));
+      closure_.template add<kGlassSlot>(solid, GlassLobe<T>(boundary, facets_.mean_alpha()), weight);
+    }
     if (any(sheet))
       closure_.template add<kThinGlassSlot>(
           sheet, ThinGlassLobe<T>{ior, facets_.ggx, facets_.smooth, specular_color_, transmitted}, weight);

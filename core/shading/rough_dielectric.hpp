@@ -9,6 +9,7 @@
 #include "core/materials/fresnel.hpp"
 #include "core/materials/microfacet.hpp"
 #include "core/materials/microfacets.hpp"
+#include "core/shading/dielectric_boundary.hpp"
 
 namespace tessera::core {
 
@@ -40,9 +41,8 @@ struct RoughDielectricOf {
   BsdfSampleOf<T> sample(Vec3Of<T> wo_local, Vec2Of<T> u, T u_lobe) const;
 
   Facets facets;
-  T eta{};  // of the far side over the near side; must not be 1
+  DielectricBoundaryOf<T> boundary;  // whose eta must not be 1
   DielectricFresnelOf<T> fresnel;
-  RgbOf<T> reflectance, transmittance;
 
  private:
   BsdfValueOf<T> evaluate_reflection(Vec3Of<T> wo_local, Vec3Of<T> wi_local) const;
@@ -56,6 +56,7 @@ using RoughDielectricBsdf = RoughDielectricOf<float>;
 template <typename T, typename Facets>
 T RoughDielectricOf<T, Facets>::solid_angle_ratio(T cos_oh, T cos_ih) const {
   using std::fabs;
+  const T eta = boundary.eta;
   const T sum = cos_oh + eta * cos_ih;
   return eta * eta * fabs(cos_ih) / (sum * sum);
 }
@@ -65,23 +66,25 @@ template <typename T, typename Facets>
 BsdfValueOf<T> RoughDielectricOf<T, Facets>::evaluate_reflection(Vec3Of<T> wo, Vec3Of<T> wi) const {
   const Vec3Of<T> h = normalize(wo + wi);
   const T cos_oh = dot(wo, h);
-  const T reflected = fresnel(cos_oh, eta);
+  const T reflected = fresnel(cos_oh, boundary.fresnel_eta);
   const T reflection = facets.density(h) * smith_term(facets, wo.z, wi.z) * wi.z;
-  return {reflectance * (reflected * reflection), reflected * facets.pdf_visible(wo, h) / (4 * cos_oh)};
+  return {boundary.reflectance * (reflected * reflection),
+          reflected * facets.pdf_visible(wo, h) / (4 * cos_oh)};
 }
 
 // Walter et al. 2007, eq. 21. Its eta^2 cancels against the compression of radiance (Veach 1997, section
 // 5.2).
 template <typename T, typename Facets>
 BsdfValueOf<T> RoughDielectricOf<T, Facets>::evaluate_transmission(Vec3Of<T> wo, Vec3Of<T> wi) const {
+  const T eta = boundary.eta;
   const Vec3Of<T> across = wo + wi * eta;
   const Vec3Of<T> h = normalize(select(across.z > 0, across, -across));
   const T cos_oh = dot(wo, h), cos_ih = dot(wi, h);
-  const T passed = 1 - fresnel(cos_oh, eta);
+  const T passed = 1 - fresnel(cos_oh, boundary.fresnel_eta);
   const T ratio = solid_angle_ratio(cos_oh, cos_ih);
   const T refraction = 4 * facets.density(h) * smith_term(facets, wo.z, -wi.z) * cos_oh * -wi.z * ratio;
   const MaskOf<T> dark = (cos_oh <= 0) | (cos_ih >= 0);
-  return {select(dark, RgbOf<T>{}, transmittance * (passed * refraction / (eta * eta))),
+  return {select(dark, RgbOf<T>{}, boundary.transmittance * (passed * refraction / (eta * eta))),
           select(dark, T(0.0f), passed * facets.pdf_visible(wo, h) * ratio)};
 }
 
@@ -105,9 +108,10 @@ BsdfValueOf<T> RoughDielectricOf<T, Facets>::evaluate(Vec3Of<T> wo, Vec3Of<T> wi
 template <typename T, typename Facets>
 BsdfSampleOf<T> RoughDielectricOf<T, Facets>::sample(Vec3Of<T> wo, Vec2Of<T> u, T u_lobe) const {
   using std::fabs;
+  const T eta = boundary.eta;
   const Vec3Of<T> h = facets.sample_visible(wo, u);
   const T cos_oh = dot(wo, h), pdf_h = facets.pdf_visible(wo, h);
-  const T reflected = fresnel(cos_oh, eta);
+  const T reflected = fresnel(cos_oh, boundary.fresnel_eta);
   const MaskOf<T> reflects = u_lobe < reflected;
   const auto [refracts, through] = refracted(wo, h, eta);
   const Vec3Of<T> wi = select(reflects, reflect(wo, h), through);
@@ -119,7 +123,8 @@ BsdfSampleOf<T> RoughDielectricOf<T, Facets>::sample(Vec3Of<T> wo, Vec2Of<T> u, 
   sample.wi_local = wi;
   sample.transmitted = !reflects;
   sample.eta = select(reflects, T(1.0f), eta);
-  sample.weight = select(reflects, reflectance * unmasked, transmittance * (unmasked / (eta * eta)));
+  sample.weight =
+      select(reflects, boundary.reflectance * unmasked, boundary.transmittance * (unmasked / (eta * eta)));
   sample.pdf = select(reflects, reflected * pdf_h / (4 * cos_oh),
                       (1 - reflected) * pdf_h * solid_angle_ratio(cos_oh, dot(wi, h)));
   return sample;

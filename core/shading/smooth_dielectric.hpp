@@ -8,6 +8,7 @@
 
 #include "core/materials/bsdf_sample.hpp"
 #include "core/materials/fresnel.hpp"
+#include "core/shading/dielectric_boundary.hpp"
 
 namespace tessera::core {
 
@@ -21,14 +22,14 @@ struct SmoothDielectricOf {
   // Chooses one of the two directions with the probability of its fraction of the light, which cancels out of
   // the weight.
   BsdfSampleOf<T> sample(Vec3Of<T> wo_local, Vec2Of<T>, T u_lobe) const {
-    const MaskOf<T> reflects = u_lobe < fresnel(wo_local.z, eta);
+    const MaskOf<T> reflects = u_lobe < fresnel(wo_local.z, boundary.fresnel_eta);
     const BsdfSampleOf<T> through = refraction(wo_local);
     return select(reflects, reflection(wo_local), through);
   }
   // Both directions, each weighted by its fraction of the light; nothing for a direction that does not
   // exist.
   std::array<std::optional<BsdfSample>, 2> branches(Vec3Of<T> wo_local) const {
-    const T reflected = fresnel(wo_local.z, eta);
+    const T reflected = fresnel(wo_local.z, boundary.fresnel_eta);
     std::array<std::optional<BsdfSample>, 2> both{alone(reflection(wo_local)), alone(refraction(wo_local))};
     both[0]->weight *= reflected;
     if (reflected == 0) both[0].reset();
@@ -36,9 +37,8 @@ struct SmoothDielectricOf {
     return both;
   }
 
-  T eta{};  // of the far side over the near side
+  DielectricBoundaryOf<T> boundary;
   DielectricFresnelOf<T> fresnel;
-  RgbOf<T> reflectance, transmittance;
 
  private:
   static Vec3Of<T> normal() { return {T(0.0f), T(0.0f), T(1.0f)}; }
@@ -46,19 +46,19 @@ struct SmoothDielectricOf {
     BsdfSampleOf<T> sample;
     sample.found = sample.delta = true;
     sample.wi_local = reflect(wo_local, normal());
-    sample.weight = reflectance;
+    sample.weight = boundary.reflectance;
     return sample;
   }
   // Radiance increases by eta^2 on entering the denser side (Veach 1997, section 5.2). Paths from the camera
   // run against the light, hence the division.
   BsdfSampleOf<T> refraction(Vec3Of<T> wo_local) const {
-    const auto [found, wi_local] = refracted(wo_local, normal(), eta);
+    const auto [found, wi_local] = refracted(wo_local, normal(), boundary.eta);
     BsdfSampleOf<T> sample;
     sample.found = found;
     sample.delta = sample.transmitted = true;
     sample.wi_local = wi_local;
-    sample.weight = transmittance / (eta * eta);
-    sample.eta = eta;
+    sample.weight = boundary.transmittance / (boundary.eta * boundary.eta);
+    sample.eta = boundary.eta;
     return sample;
   }
 };

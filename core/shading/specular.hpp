@@ -13,7 +13,7 @@ template <typename T, typename Facets = GgxOf<T>>
 struct SpecularBsdfOf {
   MaskOf<T> is_delta() const { return !is_rough; }
   MaskOf<T> transmits() const { return is_rough; }
-  T transmitted_eta() const { return rough.eta; }
+  T transmitted_eta() const { return rough.boundary.eta; }
   void scale_diffuse(T) {}
   BsdfValueOf<T> evaluate(Vec3Of<T> wo_local, Vec3Of<T> wi_local, T diffuse_cos) const {
     if (!any(is_rough)) return {};

@@ -114,7 +114,15 @@ Xyz mixed(const Xyz& a, const Xyz& b, double t) {
   return {a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.z + (b.z - a.z) * t};
 }
 
-// Linear between samples, 0 outside of them.
+}  // namespace
+
+Xyz color_matching(double wavelength_nm) {
+  if (!(wavelength_nm >= kFirstNm && wavelength_nm <= kLastNm)) return {};
+  const double at = (wavelength_nm - kFirstNm) / kStepNm;
+  const std::size_t i = std::min(static_cast<std::size_t>(at), kSamples - 2);
+  return mixed(kMatching[i], kMatching[i + 1], at - static_cast<double>(i));
+}
+
 double value_at(std::span<const SpectralSample> samples, double nm) {
   const auto after =
       std::upper_bound(samples.begin(), samples.end(), nm,
@@ -124,15 +132,6 @@ double value_at(std::span<const SpectralSample> samples, double nm) {
   if (after == samples.end()) return nm == a.wavelength_nm ? a.value : 0;
   const SpectralSample& b = *after;
   return a.value + (b.value - a.value) * ((nm - a.wavelength_nm) / (b.wavelength_nm - a.wavelength_nm));
-}
-
-}  // namespace
-
-Xyz color_matching(double wavelength_nm) {
-  if (!(wavelength_nm >= kFirstNm && wavelength_nm <= kLastNm)) return {};
-  const double at = (wavelength_nm - kFirstNm) / kStepNm;
-  const std::size_t i = std::min(static_cast<std::size_t>(at), kSamples - 2);
-  return mixed(kMatching[i], kMatching[i + 1], at - static_cast<double>(i));
 }
 
 Xyz integrate_to_xyz(std::span<const SpectralSample> samples) {

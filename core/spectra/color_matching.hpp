@@ -22,6 +22,10 @@ struct SpectralSample {
 // The colour matching functions, linear between the 5 nm of their table; 0 outside of 360 to 830 nm.
 Xyz color_matching(double wavelength_nm);
 
+// The value of a spectrum, whose samples are in the order of strictly growing wavelengths; it is linear
+// between them and 0 outside of them.
+double value_at(std::span<const SpectralSample> samples, double wavelength_nm);
+
 // The integral of a spectrum times the colour matching functions, divided by the integral of the second one:
 // a spectrum of 1 everywhere has the luminance 1. `samples` are in the order of strictly growing wavelengths;
 // the spectrum is linear between them and 0 outside of them.

@@ -22,12 +22,6 @@ constexpr std::array<double, 48> kD65Power{
     80.2146, 82.2778, 78.2842, 69.7213, 71.6091, 74.349,  61.604,  69.8856, 75.087,  63.5927,
     46.4182, 66.8054, 63.3828, 64.304,  59.4519, 51.959,  57.4406, 60.3125};
 
-double d65_power(double nm) {
-  const double at = (nm - kVisibleFromNm) / kD65StepNm;
-  const std::size_t i = std::min(static_cast<std::size_t>(at), kD65Power.size() - 2);
-  return kD65Power[i] + (kD65Power[i + 1] - kD65Power[i]) * (at - static_cast<double>(i));
-}
-
 Rgb clipped(Rgb color) {
   return {std::max(color.r, 0.0f), std::max(color.g, 0.0f), std::max(color.b, 0.0f)};
 }
@@ -35,15 +29,6 @@ Rgb clipped(Rgb color) {
 Rgb relative_to(const Xyz& color, double luminance) {
   if (!(luminance > 0)) return {};
   return clipped(to_linear_rec709({color.x / luminance, color.y / luminance, color.z / luminance}));
-}
-
-double linear_at(std::span<const SpectralSample> samples, double nm) {
-  if (samples.empty() || nm < samples.front().wavelength_nm || nm > samples.back().wavelength_nm) return 0;
-  const auto next = std::upper_bound(samples.begin(), samples.end(), nm,
-                                     [](double at, const SpectralSample& s) { return at < s.wavelength_nm; });
-  if (next == samples.end()) return samples.back().value;
-  const SpectralSample &a = *(next - 1), &b = *next;
-  return a.value + (b.value - a.value) * ((nm - a.wavelength_nm) / (b.wavelength_nm - a.wavelength_nm));
 }
 
 // A spectrum of value(nm), every nanometre.
@@ -64,6 +49,12 @@ double planck(double nm, double kelvin) {
 
 }  // namespace
 
+double d65_power(double nm) {
+  const double at = (nm - kVisibleFromNm) / kD65StepNm;
+  const std::size_t i = std::min(static_cast<std::size_t>(at), kD65Power.size() - 2);
+  return kD65Power[i] + (kD65Power[i + 1] - kD65Power[i]) * (at - static_cast<double>(i));
+}
+
 Rgb light_color(std::span<const SpectralSample> power) {
   const Xyz sum = integrate_to_xyz(power);
   return relative_to(sum, sum.y);
@@ -71,7 +62,7 @@ Rgb light_color(std::span<const SpectralSample> power) {
 
 Rgb factor_color(std::span<const SpectralSample> factor) {
   const Xyz lit =
-      integrate_to_xyz(visible_spectrum([&](double nm) { return linear_at(factor, nm) * d65_power(nm); }));
+      integrate_to_xyz(visible_spectrum([&](double nm) { return value_at(factor, nm) * d65_power(nm); }));
   const Xyz white = integrate_to_xyz(visible_spectrum(d65_power));
   const Rgb color = relative_to(lit, white.y), all = relative_to(white, white.y);
   return {color.r / all.r, color.g / all.g, color.b / all.b};
@@ -83,7 +74,7 @@ double photopic_mean(std::span<const SpectralSample> spectrum) {
     if (spectrum.empty() || nm < spectrum.front().wavelength_nm || nm > spectrum.back().wavelength_nm)
       continue;
     const double weight = color_matching(nm).y;
-    sum += weight * linear_at(spectrum, nm), weights += weight;
+    sum += weight * value_at(spectrum, nm), weights += weight;
   }
   return weights > 0 ? sum / weights : 0;
 }

@@ -22,6 +22,9 @@ Rgb factor_color(std::span<const SpectralSample> factor);
 // refraction.
 double photopic_mean(std::span<const SpectralSample> spectrum);
 
+// The relative power of illuminant D65 at a wavelength from 360 to 830 nm (ISO/CIE 11664-2).
+double d65_power(double wavelength_nm);
+
 // The colour of a black body, scaled to luminance 1 (Planck 1901). `kelvin` is above 0.
 Rgb blackbody_color(double kelvin);
 

@@ -265,8 +265,13 @@ void Materials::add_transmission(const Value& material, Principled& model) {
     model.transmission_depth = distance;
   }
   const Value dispersion = material.extension("KHR_materials_dispersion");
-  if (dispersion.number_or("dispersion", 0) > 0)
-    document_.warn(dispersion, "dispersion", "dispersion is not supported; all colours are refracted alike");
+  // 20 over the Abbe number.
+  const float strength =
+      within(dispersion, "dispersion", dispersion.number_or("dispersion", 0), 0, kMaxDispersionScale);
+  if (model.geometry_thin_walled && strength > 0)
+    document_.warn(dispersion, "dispersion", "only volumes with a thickness have dispersion; it is ignored");
+  else
+    model.transmission_dispersion = {.scale = strength, .abbe_number = 20};
 }
 
 void Materials::add_anisotropy(const Value& extension, Principled& model) {

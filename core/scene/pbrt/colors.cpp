@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <span>
 
 #include "core/scene/loader/wording.hpp"
 #include "core/scene/pbrt/files.hpp"
@@ -24,20 +26,32 @@ Rgb not_negative(Rgb color) {
   return {std::max(color.r, 0.0f), std::max(color.g, 0.0f), std::max(color.b, 0.0f)};
 }
 
-// Indices at the sodium line, 587.6 nm (Schott's data sheets), by both of the names that glasses have.
+// Indices and Abbe numbers at line d (Schott's data sheets), by both of the names that glasses have.
 struct NamedGlass {
   std::string_view name;
-  float index;
+  float index, abbe_number;
 };
-constexpr NamedGlass kGlasses[] = {
-    {"glass-BK7", 1.5168f},  {"glass-BAF10", 1.67003f}, {"glass-FK51A", 1.48656f}, {"glass-LASF9", 1.85025f},
-    {"glass-F5", 1.67271f},  {"glass-SF5", 1.67271f},   {"glass-F10", 1.72825f},   {"glass-SF10", 1.72825f},
-    {"glass-F11", 1.78472f}, {"glass-SF11", 1.78472f}};
+constexpr NamedGlass kGlasses[] = {{"glass-BK7", 1.5168f, 64.17f},    {"glass-BAF10", 1.67003f, 47.11f},
+                                   {"glass-FK51A", 1.48656f, 84.47f}, {"glass-LASF9", 1.85025f, 32.17f},
+                                   {"glass-F5", 1.67271f, 32.25f},    {"glass-SF5", 1.67271f, 32.25f},
+                                   {"glass-F10", 1.72825f, 28.41f},   {"glass-SF10", 1.72825f, 28.41f},
+                                   {"glass-F11", 1.78472f, 25.76f},   {"glass-SF11", 1.78472f, 25.76f}};
 
-std::optional<float> glass_index(std::string_view name) {
-  for (const NamedGlass& glass : kGlasses)
-    if (glass.name == name) return glass.index;
-  return std::nullopt;
+const NamedGlass* glass_of(std::string_view name) {
+  const auto* glass = std::ranges::find(kGlasses, name, &NamedGlass::name);
+  return glass != std::end(kGlasses) ? glass : nullptr;
+}
+
+// Without dispersion, if the spectrum has none that is normal, or lacks one of the lines.
+RefractiveIndex index_of(std::span<const SpectralSample> spectrum) {
+  if (spectrum.front().wavelength_nm > kLineF || spectrum.back().wavelength_nm < kLineC)
+    return {static_cast<float>(photopic_mean(spectrum))};
+  const double line_d = value_at(spectrum, kLineD);
+  const double abbe_number = (line_d - 1) / (value_at(spectrum, kLineF) - value_at(spectrum, kLineC));
+  RefractiveIndex index{static_cast<float>(line_d)};
+  if (abbe_number >= kMinAbbeNumber && abbe_number <= kMaxAbbeNumber)
+    index.dispersion = {1, static_cast<float>(abbe_number)};
+  return index;
 }
 
 std::optional<ComplexIndex> named_metal(std::string_view name) {
@@ -171,7 +185,7 @@ std::optional<Rgb> Colors::from_name(const std::string& name, SpectrumRole role)
     return role == SpectrumRole::kAlbedo ? color / max_component(color) : color;
   }
   if (const auto metal = metal_part(name)) return metal;
-  if (const auto index = glass_index(name)) return Rgb::gray(*index);
+  if (const auto* glass = glass_of(name)) return Rgb::gray(glass->index);
   return std::nullopt;
 }
 
@@ -204,22 +218,18 @@ const Colors::Samples* Colors::samples_of_file(const Place& place, const std::st
   return known->second.empty() ? nullptr : &known->second;
 }
 
-float Colors::index(const Parameters& owner, const Parameter& parameter) {
+RefractiveIndex Colors::index(const Parameters& owner, const Parameter& parameter) {
   constexpr float kDefault = 1.5f;
-  if (parameter.type != "spectrum") {
-    return owner.number(parameter.name).value_or(kDefault);
-  }
-  report_.warn(
-      owner.place_of(&parameter),
-      "an index of refraction that depends on the wavelength is not supported; that of yellow light is used");
+  if (parameter.type != "spectrum") return {owner.number(parameter.name).value_or(kDefault)};
   if (!parameter.strings.empty())
-    if (const auto glass = glass_index(parameter.strings.front())) return *glass;
+    if (const auto* glass = glass_of(parameter.strings.front()))
+      return {glass->index, {1, glass->abbe_number}};
   if (!parameter.strings.empty())
-    if (const auto metal = metal_part(parameter.strings.front())) return metal->g;
+    if (const auto metal = metal_part(parameter.strings.front())) return {metal->g};
   const Samples* given = samples(owner, parameter);
-  if (given != nullptr) return static_cast<float>(photopic_mean(*given));
+  if (given != nullptr) return index_of(*given);
   owner.remark(parameter.name, fmt::format("is no spectrum that can be read; {} is used", kDefault));
-  return kDefault;
+  return {kDefault};
 }
 
 ComplexIndex Colors::metal(const Parameters& owner, std::string_view eta, std::string_view k) {

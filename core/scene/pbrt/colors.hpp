@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/materials/conductor.hpp"
+#include "core/materials/dispersion.hpp"
 #include "core/scene/pbrt/report.hpp"
 #include "core/spectra/color_matching.hpp"
 #include "core/spectra/color_space.hpp"
@@ -20,6 +21,12 @@ enum class SpectrumRole {
   kIlluminant,  // of a light
   kAlbedo,      // of a surface, at most 1
   kUnbounded,   // a coefficient or an index
+};
+
+// An index of refraction, at Fraunhofer's line d.
+struct RefractiveIndex {
+  float line_d;
+  Dispersion dispersion{};
 };
 
 class Colors {
@@ -35,8 +42,8 @@ class Colors {
   // with a warning.
   Rgb color(const Parameters& owner, const Parameter& parameter, SpectrumRole role);
   Rgb color(const Parameters& owner, std::string_view name, SpectrumRole role, Rgb otherwise);
-  // An index of refraction, without its dispersion.
-  float index(const Parameters& owner, const Parameter& parameter);
+  // An index of refraction. Of a spectrum, it is exact at lines C, d and F.
+  RefractiveIndex index(const Parameters& owner, const Parameter& parameter);
   // The complex index of a metal, from its parameters for the real and the imaginary part; copper for those
   // that are not given.
   ComplexIndex metal(const Parameters& owner, std::string_view eta, std::string_view k);

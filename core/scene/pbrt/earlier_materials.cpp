@@ -54,12 +54,11 @@ Materials::Model Materials::glass_of_version_3(const Parameters& p) {
   if (!reflected) return fail(reflected.error());
   auto transmitted = color(p, "Kt", Rgb::gray(1));
   if (!transmitted) return fail(transmitted.error());
-  auto glass = dielectric(p);
+  auto glass = dielectric(p, p.has("index") ? "index" : "eta");
   if (!glass) return glass;
   auto& made = std::get<Glass>(*glass);
   made.reflectance = *reflected;
   made.transmittance = *transmitted;
-  made.ior = index_of_refraction(p, p.has("index") ? "index" : "eta", 1.5f);
   return glass;
 }
 

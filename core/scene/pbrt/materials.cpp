@@ -47,6 +47,7 @@ void Materials::set(int index, Material material) {
   made.is_textured = has_texture(material);
   if (auto* glass = std::get_if<Glass>(&material.model); glass != nullptr && glass->ior.value < 1) {
     glass->ior.value = std::min(1 / glass->ior.value, kMaxIor);
+    glass->dispersion.abbe_number /= glass->ior.value;  // the Abbe number of 1 / n, to first order
     made.is_reversed = true;
   }
   made.material = std::move(material);
@@ -176,22 +177,34 @@ Result<Materials::Roughness> Materials::roughness(const Parameters& p, const std
   return Roughness{*value, 0};
 }
 
-float Materials::index_of_refraction(const Parameters& p, std::string_view name, float otherwise) {
+RefractiveIndex Materials::refractive_index(const Parameters& p, std::string_view name, float otherwise) {
   const Parameter* parameter = p.find(name);
-  if (parameter == nullptr) return otherwise;
-  float index = otherwise;
+  if (parameter == nullptr) return {otherwise};
+  RefractiveIndex read{otherwise};
   if (parameter->type == "texture") {
     report_.warn(p.place_of(parameter),
                  "a textured index of refraction is not supported; the default is used");
   } else {
-    index = colors_.index(p, *parameter);
+    read = colors_.index(p, *parameter);
   }
+  float& index = read.line_d;
   // 0 stands for 1 in files of pbrt.
   if (!(index >= 0 && index <= kMaxIor))
     p.remark(parameter->name, "range",
              fmt::format("must be from 0 to {:g}, got {:g}; {:g} is used", kMaxIor, index,
                          index > 0 ? kMaxIor : 1.0f));
-  return index > 0 ? std::min(index, kMaxIor) : 1;
+  index = index > 0 ? std::min(index, kMaxIor) : 1;
+  return read;
+}
+
+float Materials::index_of_refraction(const Parameters& p, std::string_view name, float otherwise) {
+  const RefractiveIndex index = refractive_index(p, name, otherwise);
+  if (index.dispersion.scale > 0)
+    report_.warn(
+        p.place_of(p.find(name)),
+        "an index of refraction that depends on the wavelength is supported for dielectrics only; that "
+        "of yellow light is used");
+  return index.line_d;
 }
 
 Materials::Model Materials::diffuse(const Parameters& p, std::string_view reflectance) {
@@ -283,11 +296,17 @@ Materials::Model Materials::coated_conductor(const Parameters& p) {
   return surface;
 }
 
-Materials::Model Materials::dielectric(const Parameters& p) {
+Materials::Model Materials::dielectric(const Parameters& p, std::string_view index) {
   auto rough = roughness(p, "", 0, false);
   if (!rough) return fail(rough.error());
   Glass glass;
-  glass.ior = index_of_refraction(p, "eta", 1.5f);
+  const auto [line_d, dispersion] = refractive_index(p, index, 1.5f);
+  glass.ior = line_d;
+  glass.dispersion = dispersion;
+  if (dispersion.scale > 0)
+    report_.warn(p.place_of(p.find(index)),
+                 "an index of refraction that depends on the wavelength is approximated by Cauchy's formula "
+                 "with two terms");
   glass.roughness = rough->value;
   return glass;
 }

@@ -82,7 +82,8 @@ class Materials {
   Model coated_diffuse(const Parameters& p);
   Model conductor(const Parameters& p, const std::string& prefix);
   Model coated_conductor(const Parameters& p);
-  Model dielectric(const Parameters& p);
+  // `index` names the parameter of the index of refraction.
+  Model dielectric(const Parameters& p, std::string_view index = "eta");
   Model thin_dielectric(const Parameters& p);
   Model diffuse_transmission(const Parameters& p);
   Model subsurface(const Parameters& p);
@@ -106,6 +107,8 @@ class Materials {
   };
   Result<Roughness> roughness(const Parameters& p, const std::string& prefix, float otherwise,
                               bool may_differ);
+  RefractiveIndex refractive_index(const Parameters& p, std::string_view name, float otherwise);
+  // The same for materials without dispersion.
   float index_of_refraction(const Parameters& p, std::string_view name, float otherwise);
   int add(Material material);
   int add_waiting(const Parameters& p, const Parts& parts, const std::string& name);

@@ -117,7 +117,8 @@ std::string keyframed_keys() {
       "| part | keys |\n|---|---|\n| `camera` | {} |\n| `lights` | {} |\n"
       "| `materials` | all numbers and colours that may have a texture, also the `tint` and `scale` of a "
       "texture, "
-      "the `strength` of a normal map and the `height` of a bump map |\n| `media` | {} |\n| `environment` | "
+      "the `strength` of a normal map, the `height` of a bump map, and the scale and Abbe number of "
+      "dispersion |\n| `media` | {} |\n| `environment` | "
       "{} |\n"
       "| `transform` of a shape | `scale`, `translate`, `rotate`, and `degrees` in `rotate` |\n"
       "| `mesh`, also in objects | {}: the mesh [deforms](#meshes-that-deform) |\n",

@@ -45,6 +45,8 @@ inline constexpr Domain kIor{
               .max = double{kMaxIor},
               .unit = "(it is that of the inside; for air in glass, turn the surface inside out)"},
     .definition = "ior"};
+inline constexpr Domain kDispersionScale{.range = {.min = 0, .max = double{kMaxDispersionScale}}};
+inline constexpr Domain kAbbeNumber{.range = {.min = double{kMinAbbeNumber}, .max = double{kMaxAbbeNumber}}};
 inline constexpr Domain kPriority{.range = {.min = 0, .max = 1000}};
 inline constexpr Domain kExponent{.range = {.min = 0, .max = double{kMaxExponent}}, .definition = "exponent"};
 inline constexpr Domain kLength{

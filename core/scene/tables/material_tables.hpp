@@ -19,6 +19,21 @@ constexpr auto microfacet_keys(MicrofacetKind Owner::*kind) {
                             "directions"}};
 }
 
+// The names are those of the scale and of the Abbe number.
+template <typename Owner>
+constexpr auto dispersion_keys(std::string_view scale, std::string_view abbe_number,
+                               Dispersion Owner::*dispersion) {
+  return std::tuple{
+      PartKey{
+          scale, dispersion, &Dispersion::scale, domains::kDispersionScale,
+          "how much [dispersion](materials.md#dispersion) spreads colours: 1 is that of the Abbe number, 0 "
+          "is none",
+          KeyTraits{.has_keyframes = true}},
+      PartKey{abbe_number, dispersion, &Dispersion::abbe_number, domains::kAbbeNumber,
+              "the Abbe number at a scale of 1: 64 for crown glass, 28 for dense flint, 55 for diamond",
+              KeyTraits{.has_keyframes = true}}};
+}
+
 template <>
 inline constexpr auto kKeys<NormalMap> = std::tuple{
     Key{"texture", &NormalMap::texture, domains::kTextureName, "a name in `textures`",
@@ -63,6 +78,9 @@ inline constexpr auto kKeys<Glass> = std::tuple_cat(
         Key{"ior", &Glass::ior, domains::kIor,
             "the index of refraction of the inside: 1.33 for water, 1.5 for window glass, 2.42 for diamond. "
             "For an air bubble in glass, turn its surface inside out"},
+    },
+    dispersion_keys("dispersion_scale", "dispersion_abbe_number", &Glass::dispersion),
+    std::tuple{
         Key{"reflectance", &Glass::reflectance, domains::kShare, "multiplies the reflected light"},
         Key{"transmittance", &Glass::transmittance, domains::kShare,
             "multiplies the transmitted light, at each crossing of the surface"},
@@ -129,6 +147,10 @@ inline constexpr auto kKeys<Principled> = std::tuple_cat(
             "the colour of transmitted light, at each crossing"},
         Key{"transmission_depth", &Principled::transmission_depth, domains::kLength,
             "where transmitted light has `transmission_color`; 0: at each crossing"},
+    },
+    dispersion_keys("transmission_dispersion_scale", "transmission_dispersion_abbe_number",
+                    &Principled::transmission_dispersion),
+    std::tuple{
         Key{"coat_weight", &Principled::coat_weight, domains::kWeight, "the share that a clear coat covers"},
         Key{"coat_color", &Principled::coat_color, domains::kShare, "what the coat lets through"},
         Key{"coat_roughness", &Principled::coat_roughness, domains::kRoughness, "the roughness of the coat"},
@@ -289,6 +311,10 @@ inline constexpr Key kEmissionSides{
     "emission_sides", &Material::two_sided_emission, domains::kSides,
     "the sides that emit. The front is the side from which the corners of a mesh are in counter-clockwise "
     "order, the outside of a sphere, or the side of a quad to which `edge_u` × `edge_v` points"};
+inline constexpr Key kVisibleToCamera{
+    "visible_to_camera", &Material::visible_to_camera, domains::kTruth,
+    "whether camera rays meet the surface. Otherwise they pass as if it were not there; it still emits, "
+    "reflects and casts shadows, and shows in mirrors and through glass"};
 inline constexpr Key kGroup{"group", &Material::light_group, domains::kLightGroup,
                             "the [light group](#light-groups) of what the material emits",
                             KeyTraits{.otherwise = "none"}};
@@ -337,30 +363,39 @@ inline constexpr PartKey kExterior{"exterior_medium",
 }  // namespace material_keys
 
 template <>
-inline constexpr auto kKeys<Material> =
-    std::tuple{material_keys::kEmission, material_keys::kEmissionSides, material_keys::kGroup,
-               material_keys::kSampling, material_keys::kNormalMap,     material_keys::kBump,
-               material_keys::kOpacity,  material_keys::kSides,         material_keys::kShadingNormals,
-               material_keys::kInterior, material_keys::kExterior,      Unkeyed{&Material::name},
-               Unkeyed{&Material::model}};
+inline constexpr auto kKeys<Material> = std::tuple{material_keys::kEmission, material_keys::kEmissionSides,
+                                                   material_keys::kGroup,    material_keys::kVisibleToCamera,
+                                                   material_keys::kSampling, material_keys::kNormalMap,
+                                                   material_keys::kBump,     material_keys::kOpacity,
+                                                   material_keys::kSides,    material_keys::kShadingNormals,
+                                                   material_keys::kInterior, material_keys::kExterior,
+                                                   Unkeyed{&Material::name}, Unkeyed{&Material::model}};
 
 // Those of them that a model has.
 template <typename Model>
 inline constexpr const auto& kCommonKeys = kKeys<Material>;
 template <>
-inline constexpr auto kCommonKeys<CookTorrance> =
-    std::tuple{material_keys::kEmission,       material_keys::kEmissionSides,
-               material_keys::kGroup,          material_keys::kMicrofacetSampling,
-               material_keys::kNormalMap,      material_keys::kBump,
-               material_keys::kOpacity,        material_keys::kSides,
-               material_keys::kShadingNormals, material_keys::kInterior,
-               material_keys::kExterior};
+inline constexpr auto kCommonKeys<CookTorrance> = std::tuple{material_keys::kEmission,
+                                                             material_keys::kEmissionSides,
+                                                             material_keys::kGroup,
+                                                             material_keys::kVisibleToCamera,
+                                                             material_keys::kMicrofacetSampling,
+                                                             material_keys::kNormalMap,
+                                                             material_keys::kBump,
+                                                             material_keys::kOpacity,
+                                                             material_keys::kSides,
+                                                             material_keys::kShadingNormals,
+                                                             material_keys::kInterior,
+                                                             material_keys::kExterior};
 template <>
 inline constexpr auto kCommonKeys<Blend> =
-    std::tuple{material_keys::kEmission, material_keys::kEmissionSides, material_keys::kGroup,
-               material_keys::kOpacity,  material_keys::kInterior,      material_keys::kExterior};
+    std::tuple{material_keys::kEmission,        material_keys::kEmissionSides, material_keys::kGroup,
+               material_keys::kVisibleToCamera, material_keys::kOpacity,       material_keys::kInterior,
+               material_keys::kExterior};
 template <>
-inline constexpr auto kCommonKeys<Null> = std::tuple{material_keys::kInterior, material_keys::kExterior};
+inline constexpr auto kCommonKeys<Null> =
+    std::tuple{material_keys::kEmission,        material_keys::kEmissionSides, material_keys::kGroup,
+               material_keys::kVisibleToCamera, material_keys::kInterior,      material_keys::kExterior};
 
 // Calls visit(key, value) for each key of the model and then of the material.
 template <typename AnyMaterial, typename Visit>

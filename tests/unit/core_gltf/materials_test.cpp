@@ -137,6 +137,7 @@ TEST(GltfMaterials, OfExtensionsBecomeOpenPbr) {
       {"KHR_materials_transmission", {{"transmissionFactor", 0.5}, {"transmissionTexture", texture()}}},
       {"KHR_materials_volume",
        {{"thicknessFactor", 1}, {"attenuationDistance", 2}, {"attenuationColor", {0.5, 0.75, 1}}}},
+      {"KHR_materials_dispersion", {{"dispersion", 0.5}}},
       {"KHR_materials_iridescence",
        {{"iridescenceFactor", 1}, {"iridescenceIor", 1.5}, {"iridescenceThicknessMaximum", 500}}}};
   const auto scene = scene_of(material);
@@ -154,6 +155,7 @@ TEST(GltfMaterials, OfExtensionsBecomeOpenPbr) {
   EXPECT_FALSE(model.geometry_thin_walled);
   EXPECT_EQ(model.transmission_color.value, (Rgb{0.5f, 0.75f, 1}));
   EXPECT_EQ(model.transmission_depth.value, 2);
+  EXPECT_EQ(model.transmission_dispersion.inverse_abbe_number(), 0.5f / 20);
   EXPECT_EQ(model.thin_film_weight.value, 1);
   EXPECT_NEAR(model.thin_film_thickness.value, 0.5f, 1e-6f);
 }
@@ -281,7 +283,7 @@ TEST(GltfMaterials, SayWhatIsIgnored) {
   EXPECT_THAT(warning({{"occlusionTexture", texture()}}), HasSubstr("baked occlusion is ignored"));
   json dispersive = extension("KHR_materials_transmission", {{"transmissionFactor", 1}});
   dispersive["extensions"]["KHR_materials_dispersion"] = {{"dispersion", 1}};
-  EXPECT_THAT(warning(dispersive), HasSubstr("dispersion is not supported"));
+  EXPECT_THAT(warning(dispersive), HasSubstr("only volumes with a thickness have dispersion"));
   EXPECT_THAT(warning({{"pbrMetallicRoughness", {{"metallicFactor", 2}}}}),
               HasSubstr("materials[0].pbrMetallicRoughness.metallicFactor: must be between 0 and 1"));
   GltfFile missing = file_with({{"emissiveFactor", {1, 1, 1}}, {"emissiveTexture", texture()}});

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/integrators/fingerprint.hpp"
+#include "core/integrators/path_wavelength.hpp"
 #include "core/integrators/shading_bins.hpp"
 #include "core/integrators/vertex_batch.hpp"
 #include "core/sampling/warp.hpp"
@@ -87,8 +88,15 @@ class VertexLanes : public testing::Test {
     for (std::size_t lane = 0; lane < kLaneCount; ++lane)
       materials[lane] = &scatterer(observations.rays[lane], observations.hits[lane]);
     const HitRows of_hits(hits.all(), rows);
-    compare(observations,
-            vertices_of(SurfaceBatch(scene_, {rays.all(), rows}, of_hits, materials, plain_triangles)));
+    SurfaceBatch batch(scene_, {rays.all(), rows}, of_hits, materials, plain_triangles);
+    if (!scene_.has_dispersion()) return compare(observations, vertices_of(batch));
+    FloatLanes nm, u;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+      nm.set(lane, random() < 0.5f ? 0 : 400 + 300 * random()), u.set(lane, random());
+    const WavelengthOf<FloatN> light = wavelengths_at(nm.all(), u.all());
+    batch.wavelength = &light;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) lights_[lane] = wavelength_at(nm[lane], u[lane]);
+    compare(observations, vertices_of(batch));
   }
 
   // Compares vertices with those that each ray makes alone, and counts how often what is found.
@@ -96,7 +104,7 @@ class VertexLanes : public testing::Test {
   void compare(const Observations& observations, const Vertices& together) {
     std::vector<PathVertex> alone;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-      alone.emplace_back(scene_, observations.rays[lane], observations.hits[lane]);
+      alone.emplace_back(scene_, observations.rays[lane], observations.hits[lane], nullptr, lights_[lane]);
     compare_surfaces(alone, together);
     compare_samples(alone, together);
     compare_lights(alone, together);
@@ -221,6 +229,7 @@ class VertexLanes : public testing::Test {
   }
 
   Scene scene_;
+  std::array<std::optional<Wavelength>, kLaneCount> lights_;  // if the scene disperses light
   std::mt19937 generator_{1};
   int samples_found_ = 0, lights_found_ = 0;
 };
@@ -455,6 +464,33 @@ class RareLanes : public VertexLanes {
 };
 
 TEST_F(RareLanes, OfAllMaterialsAndShapes) {
+  compare_all();
+}
+
+// The same scene with dispersion: smooth and rough, of both kinds of microfacets, beside what has none.
+SceneDescription with_dispersion() {
+  SceneDescription scene = fingerprint_scene();
+  for (Material& material : scene.materials) {
+    if (material.name == "glass") material.model = Glass{.ior = 1.7f, .dispersion = {1, 20}};
+    if (material.name == "frosted") material.model = Glass{.dispersion = {0.5f, 30}, .roughness = {0.5f, 0}};
+    if (material.name == "varnish")
+      material.model = Glass{.dispersion = {1, 10}, .roughness = {0.9f, 0}, .microfacets = kBeckmann};
+    if (material.name == "lacquer") material.model = Glass{.roughness = 0.5f, .microfacets = kBeckmann};
+    if (material.name == "gold")
+      material.model = Principled{.specular_roughness = {0.5f, 0},
+                                  .transmission_weight = 0.8f,
+                                  .transmission_dispersion = {1, 25},
+                                  .coat_weight = 0.5f};
+  }
+  return scene;
+}
+
+class DispersiveLanes : public VertexLanes {
+ protected:
+  DispersiveLanes() : VertexLanes(with_dispersion()) {}
+};
+
+TEST_F(DispersiveLanes, OfAllMaterialsAndShapes) {
   compare_all();
 }
 

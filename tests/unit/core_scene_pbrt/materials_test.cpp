@@ -109,6 +109,23 @@ TEST(PbrtMaterials, GlassesByNameOrIndex) {
   EXPECT_FLOAT_EQ(model_of<ThinDielectric>("Material \"thindielectric\" \"float eta\" 1.7").ior.value, 1.7f);
 }
 
+TEST(PbrtMaterials, GlassesHaveTheDispersionOfTheirSpectrum) {
+  const auto named = model_of<Glass>("Material \"dielectric\" \"spectrum eta\" \"glass-SF11\"");
+  EXPECT_FLOAT_EQ(named.dispersion.scale, 1);
+  EXPECT_FLOAT_EQ(named.dispersion.abbe_number, 25.76f);
+  // Linear from 1.7 at 400 nm to 1.6 at 800 nm.
+  const auto sampled = model_of<Glass>("Material \"dielectric\" \"spectrum eta\" [400 1.7 800 1.6]");
+  EXPECT_NEAR(sampled.ior.value, 1.7 - 0.1 * 187.56 / 400, 1e-5);
+  EXPECT_NEAR(sampled.dispersion.abbe_number, 0.65311 / (0.1 * 170.14 / 400), 1e-2);
+  for (const char* without :
+       {"\"spectrum eta\" [400 1.6 700 1.6]", "\"spectrum eta\" [500 1.7 600 1.6]", "\"float eta\" 1.33", ""})
+    EXPECT_EQ(model_of<Glass>("Material \"dielectric\" " + std::string(without)).dispersion.scale, 0);
+  const std::string eta = " \"spectrum eta\" \"glass-BK7\"" + kPbrtTriangle;
+  EXPECT_THAT(warnings_of(pbrt_world("Material \"dielectric\"" + eta)), HasSubstr("Cauchy's formula"));
+  EXPECT_THAT(warnings_of(pbrt_world("Material \"coateddiffuse\"" + eta)),
+              HasSubstr("is supported for dielectrics only"));
+}
+
 // 1 / 0.8 on the other side.
 TEST(PbrtMaterials, DielectricsOfLessThanOneAreTurnedInsideOut) {
   const std::string air =

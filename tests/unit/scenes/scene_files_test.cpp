@@ -24,13 +24,15 @@ TEST_P(SceneFile, Loads) {
   EXPECT_TRUE(scene) << scene.error().message;
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Figures, SceneFile,
-    testing::Values("whitted_and_path/whitted.json", "whitted_and_path/path.json", "small_light/scene.json",
-                    "cook_torrance_sampling/uniform.json", "cook_torrance_sampling/half_vector.json",
-                    "cook_torrance_sampling/visible_normals.json", "veach_mis/scene.json",
-                    "glass_and_water/no_fresnel.json", "glass_and_water/fresnel.json", "menagerie/scene.json",
-                    "turntable/scene.json", "fog/scene.json", "motion/scene.json", "swatches/scene.json"));
+INSTANTIATE_TEST_SUITE_P(Figures, SceneFile,
+                         testing::Values("whitted_and_path/whitted.json", "whitted_and_path/path.json",
+                                         "small_light/scene.json", "cook_torrance_sampling/uniform.json",
+                                         "cook_torrance_sampling/half_vector.json",
+                                         "cook_torrance_sampling/visible_normals.json",
+                                         "veach_mis/scene.json", "glass_and_water/no_fresnel.json",
+                                         "glass_and_water/fresnel.json", "menagerie/scene.json",
+                                         "turntable/scene.json", "fog/scene.json", "motion/scene.json",
+                                         "prism/scene.json", "swatches/scene.json"));
 
 json read(const std::string& path) {
   std::ifstream file(kScenes + path);
