@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMaxShownLength = 80;
 constexpr std::size_t kShownBeginning = 24;  // characters kept at the start of shortened names
-constexpr std::size_t kMaxListed = 13;
+constexpr std::size_t kMaxListed = 14;
 constexpr std::size_t kMinBeginning = 4;  // of a name whose rest is missing
 
 // Names that differ by more edits are not similar.
@@ -50,19 +50,23 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return above[b.size()];
 }
 
-std::string suggestion(std::string_view name, const std::vector<std::string_view>& known) {
-  if (name.size() > kMaxShownLength) return listing(known);
+std::optional<std::string_view> similar_name(std::string_view name,
+                                             const std::vector<std::string_view>& known) {
+  if (name.size() > kMaxShownLength) return std::nullopt;
   const auto distance = [&](std::string_view k) {
     return k.size() > kMaxShownLength ? kMaxShownLength : edit_distance(name, k);
   };
   const auto nearest =
       std::min_element(known.begin(), known.end(), [&](auto a, auto b) { return distance(a) < distance(b); });
-  if (nearest != known.end() && distance(*nearest) <= likeness_limit(name))
-    return fmt::format("; did you mean {}?", in_quotes(*nearest));
+  if (nearest != known.end() && distance(*nearest) <= likeness_limit(name)) return *nearest;
   const auto begins = [&](std::string_view k) { return name.size() >= kMinBeginning && k.starts_with(name); };
-  if (std::count_if(known.begin(), known.end(), begins) == 1)
-    return fmt::format("; did you mean {}?", in_quotes(*std::find_if(known.begin(), known.end(), begins)));
-  return listing(known);
+  if (std::count_if(known.begin(), known.end(), begins) != 1) return std::nullopt;
+  return *std::find_if(known.begin(), known.end(), begins);
+}
+
+std::string suggestion(std::string_view name, const std::vector<std::string_view>& known) {
+  const auto similar = similar_name(name, known);
+  return similar ? fmt::format("; did you mean {}?", in_quotes(*similar)) : listing(known);
 }
 
 std::string in_quotes(std::string_view name) {

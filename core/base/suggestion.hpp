@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,8 +14,12 @@ namespace tessera::core {
 // (Damerau 1964; each letter takes part in at most one edit).
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-// "; did you mean 'albedo'?" if one of `known` is close to `name`, or is the only one that begins so, else
-// "; known are 'a', 'b'", or nothing without any, or for more than a dozen.
+// The one of `known` that is close to `name`, or is the only one that begins so.
+std::optional<std::string_view> similar_name(std::string_view name,
+                                             const std::vector<std::string_view>& known);
+
+// "; did you mean 'albedo'?" if there is a similar name, else "; known are 'a', 'b'", or nothing without any,
+// or for more than fourteen.
 std::string suggestion(std::string_view name, const std::vector<std::string_view>& known);
 
 // A name from outside for messages: escaped and in single quotes. Long names are shortened in the middle,

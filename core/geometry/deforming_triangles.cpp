@@ -29,6 +29,7 @@ void Primitives::deform(float frame, FrameInterval shutter) {
     for (std::size_t v = 0; v < motion->vertex_count(); ++v) {
       positions_[first_vertex + v] = motion->position(v, moment);
       if (motion->has_normals()) normals_[first_vertex + v] = motion->normal(v, moment);
+      if (motion->has_tangents()) tangents_[first_vertex + v].direction = motion->tangent(v, moment);
     }
     is_deforming_ |= motion->moves(shutter);
   }
@@ -62,6 +63,16 @@ Primitives::MovingTriangle Primitives::moving_triangle(std::uint32_t primitive, 
     if (mesh.motion->has_normals()) moving.normals[corner] = mesh.motion->normal(vertex, moment);
   }
   return moving;
+}
+
+std::array<Vec3, 3> Primitives::moving_tangents(std::uint32_t primitive, float time) const {
+  const DeformingMesh& mesh = mesh_of(primitive);
+  std::array<Vec3, 3> tangents{};
+  if (!mesh.motion->has_tangents()) return tangents;
+  const VertexMotion::Moment moment = mesh.motion->at(shutter_.at(time));
+  for (std::size_t corner = 0; corner < 3; ++corner)
+    tangents[corner] = mesh.motion->tangent(triangles_[primitive][corner] - mesh.first_vertex, moment);
+  return tangents;
 }
 
 Aabb Primitives::moving_triangle_bounds(std::uint32_t primitive) const {

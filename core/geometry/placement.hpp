@@ -62,6 +62,8 @@ class Placement {
   Vec3d vector(Vec3d v) const { return map_.vector(v); }
   Vec3d normal(Vec3d n) const { return map_.normal(n); }
   Vec3d error_terms(Vec3d terms) const { return map_.error_terms(terms); }
+  // Whether it turns right-handed axes into left-handed ones.
+  bool reflects() const { return dot(map_.x_axis, cross(map_.y_axis, map_.z_axis)) < 0; }
 
   // World space to object space, for a ray or its parts. Vector versions (D is DoubleN or DoubleVector) are
   // bit-identical.

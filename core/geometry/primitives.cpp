@@ -32,7 +32,8 @@ void Primitives::reserve(std::size_t vertices, std::size_t triangles) {
 void Primitives::add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& normals,
                           const std::vector<Vec2>& uvs, std::vector<Triangle> triangles,
                           const std::vector<std::uint32_t>& triangle_materials,
-                          const std::vector<Rgb>& colors, const std::vector<Vec2>& second_uvs) {
+                          const std::vector<Rgb>& colors, const std::vector<Vec2>& second_uvs,
+                          const std::vector<VertexTangent>& tangents) {
   const std::size_t first = positions_.size();
   append(positions_, std::move(positions));
   if (!normals.empty() || !normals_.empty()) {
@@ -47,6 +48,7 @@ void Primitives::add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& 
     uvs_.resize(positions_.size());
   }
   append_second_uvs(second_uvs, first);
+  append_tangents(tangents, first);
   if (!colors.empty() || !colors_.empty()) {
     colors_.resize(first, Rgb::gray(1));
     colors_.insert(colors_.end(), colors.begin(), colors.end());
@@ -85,6 +87,15 @@ void Primitives::append_second_uvs(const std::vector<Vec2>& second_uvs, std::siz
   copy_until(positions_.size());
 }
 
+void Primitives::append_tangents(const std::vector<VertexTangent>& tangents, std::size_t first_vertex) {
+  if (tangents.empty()) return;
+  has_vertex_tangents_ = true;
+  tangents_.resize(first_vertex);
+  tangents_.reserve(positions_.size());
+  for (const auto& [direction, handedness] : tangents)
+    tangents_.push_back({unit_or_zero(Vec3d(direction)), handedness});
+}
+
 void Primitives::add_sphere(Vec3 center, float radius, std::uint32_t material) {
   spheres_.push_back({center, radius});
   analytic_materials_.push_back(material);
@@ -104,6 +115,7 @@ std::uint32_t Primitives::add_object(Primitives object) {
   outlines_.push_back(object.outline());
   has_vertex_colors_ |= object.has_vertex_colors_;
   has_second_uvs_ |= object.has_second_uvs_;
+  has_vertex_tangents_ |= object.has_vertex_tangents_;
   objects_.push_back(std::move(object));
   return static_cast<std::uint32_t>(objects_.size()) - 1;
 }
@@ -244,7 +256,44 @@ Primitives::ObjectPoint Primitives::triangle_point(const Hit& hit) const {
   return point_of_triangle(at_hit);
 }
 
+VertexTangent Primitives::vertex_tangent(const Hit& hit) const {
+  std::array<Vec3, 3> directions{};
+  double handedness = 0;
+  const std::array<double, 3> weights = corner_weights(hit.b1, hit.b2);
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    const std::uint32_t vertex = triangles_[hit.primitive][corner];
+    if (vertex >= tangents_.size()) return {};
+    directions[corner] = tangents_[vertex].direction;
+    handedness += weights[corner] * double{tangents_[vertex].handedness};
+  }
+  if (is_moving_triangle(hit.primitive)) directions = moving_tangents(hit.primitive, hit.time);
+  const Vec3d direction = weights[0] * Vec3d(directions[0]) + weights[1] * Vec3d(directions[1]) +
+                          weights[2] * Vec3d(directions[2]);
+  return {direction.rounded(), handedness < 0 ? -1.0f : 1.0f};
+}
+
+// A reflection turns the bitangent over: it remains the image of that of the object.
+std::optional<Tangents> Primitives::vertex_tangents(const Hit& hit, const SurfacePoint& point) const {
+  if (!has_vertex_tangents_ || !owner(hit).is_triangle(hit.primitive)) return std::nullopt;
+  const auto [direction, handedness] = owner(hit).vertex_tangent(hit);
+  Vec3d along_u(direction);
+  float side = handedness;
+  if (hit.in_instance())
+    with_placement(hit, [&](const Placement& placement) {
+      along_u = placement.vector(along_u);
+      if (placement.reflects()) side = -side;
+    });
+  const Vec3 unit_u = unit_or_zero(along_u);
+  if (unit_u == Vec3{}) return std::nullopt;
+  return Tangents{unit_u, unit_or_zero(Vec3d(cross(point.shading_normal, unit_u) * side))};
+}
+
 Tangents Primitives::tangents(const Hit& hit, const SurfacePoint& point, UvSet set) const {
+  const auto of_vertices = vertex_tangents(hit, point);
+  return of_vertices ? *of_vertices : uv_tangents(hit, point, set);
+}
+
+Tangents Primitives::uv_tangents(const Hit& hit, const SurfacePoint& point, UvSet set) const {
   if (hit.in_instance()) return instance_tangents(hit, point, set);
   if (is_sphere(hit.primitive)) return sphere_tangents(point.geometric_normal);
   const ModelTangents tangents = model_tangents(hit, point.geometric_normal, point.uv, set);

@@ -52,13 +52,14 @@ class Primitives {
   // Reserves room for this many more elements.
   void reserve(std::size_t vertices, std::size_t triangles);
   // Appends a mesh's vertices and triangles (same conventions as MeshDescription: normals and uvs are empty
-  // or as many as positions, and so are second_uvs, if there are uvs; indices count from the mesh's own first
-  // vertex). All triangles must be added
-  // before all spheres, these before all disks, these before all cylinders, and these before all curves. The
-  // arrays of the first mesh are moved if they are passed as rvalues.
+  // or as many as positions, and so are tangents and, if there are uvs, second_uvs; indices count from the
+  // mesh's own first vertex). All triangles must be added before all spheres, these before all disks, these
+  // before all cylinders, and these before all curves. The arrays of the first mesh are moved if they are
+  // passed as rvalues.
   void add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& normals, const std::vector<Vec2>& uvs,
                 std::vector<Triangle> triangles, const std::vector<std::uint32_t>& triangle_materials,
-                const std::vector<Rgb>& colors = {}, const std::vector<Vec2>& second_uvs = {});
+                const std::vector<Rgb>& colors = {}, const std::vector<Vec2>& second_uvs = {},
+                const std::vector<VertexTangent>& tangents = {});
   // Lets the mesh that was added last deform. `steps` must be sound for it. All meshes that deform must be
   // added after all others. They are at rest until deform() is called.
   void deform_last_mesh(const std::vector<MeshStep>& steps, std::uint32_t first_triangle);
@@ -224,7 +225,10 @@ class Primitives {
   SurfacePointOf<FloatN> surfaces(const RayRows& rays, const HitRows& hits) const;
   // The same where is_plain_triangle() holds in all lanes.
   SurfacePointOf<FloatN> triangle_surfaces(const HitRows& hits) const;
-  // The tangents at `point`, the result of surface() for the same hit, by a set of texture coordinates.
+  // The tangents of the mesh at `point`, the result of surface() for the same hit, interpolated; nullopt if
+  // it has none.
+  std::optional<Tangents> vertex_tangents(const Hit& hit, const SurfacePoint& point) const;
+  // The same or, without them, those of a set of texture coordinates.
   Tangents tangents(const Hit& hit, const SurfacePoint& point, UvSet set = UvSet::kFirst) const;
   UvDerivatives uv_derivatives(const Hit& hit, const SurfacePoint& point, UvSet set = UvSet::kFirst) const;
 
@@ -273,6 +277,8 @@ class Primitives {
   ObjectPoint triangle_point(const Hit& hit) const;
   const DeformingMesh& mesh_of(std::uint32_t moving_triangle) const;
   MovingTriangle moving_triangle(std::uint32_t primitive, float time) const;
+  // Of a moving triangle; zero if it has none.
+  std::array<Vec3, 3> moving_tangents(std::uint32_t primitive, float time) const;
   Aabb moving_triangle_bounds(std::uint32_t primitive) const;
   // Of any shape.
   template <typename AnyRay>
@@ -303,12 +309,16 @@ class Primitives {
   SurfacePointOf<FloatN> sphere_surfaces(const RayRows& rays, const HitRows& hits) const;
   SurfacePointOf<FloatN> instanced_sphere_surfaces(const RayRows& rays, const HitRows& hits) const;
   SurfacePointOf<FloatN> surfaces_one_by_one(unsigned lanes, const RayRows& rays, const HitRows& hits) const;
+  // Interpolated on a triangle; the direction is zero if there is none.
+  VertexTangent vertex_tangent(const Hit& hit) const;
+  Tangents uv_tangents(const Hit& hit, const SurfacePoint& point, UvSet set) const;
   ModelTangents triangle_tangents(const Hit& hit, UvSet set) const;
   Tangents instance_tangents(const Hit& hit, const SurfacePoint& point, UvSet set) const;
   // The tangents of the shape that was hit, at its object-space normal and texture coordinates.
   ModelTangents model_tangents(const Hit& hit, Vec3 normal, Vec2 uv, UvSet set) const;
   Rgb color_at(const Hit& hit) const;
   void append_second_uvs(const std::vector<Vec2>& second_uvs, std::size_t first_vertex);
+  void append_tangents(const std::vector<VertexTangent>& tangents, std::size_t first_vertex);
   // `uv` where the surface has no second set.
   Vec2 second_uv_at(const Hit& hit, Vec2 uv) const;
   Vec2Of<FloatN> second_uvs_at(const HitRows& hits, Vec2Of<FloatN> uv) const;
@@ -324,6 +334,9 @@ class Primitives {
   // Empty if no mesh has any; those of meshes without them are the first.
   std::vector<Vec2> second_uvs_;
   bool has_second_uvs_ = false;
+  // Of unit length or zero; those of the last vertices may be missing, and are then zero.
+  std::vector<VertexTangent> tangents_;
+  bool has_vertex_tangents_ = false;  // some of these or of objects
   std::vector<Triangle> triangles_;
   std::vector<std::uint32_t> triangle_materials_;
   std::vector<DeformingMesh> deforming_;  // of the last triangles

@@ -24,6 +24,16 @@ struct Tangents {
   Vec3 along_u, along_v;
 };
 
+// The tangent frame that a mesh gives a vertex: the direction in which normal maps and anisotropic highlights
+// take u to grow, and handedness 1 or -1. The bitangent is handedness * cross(normal, direction) (glTF 2.0
+// specification, section 3.7.2.1). The direction is zero if the vertex has none.
+struct VertexTangent {
+  Vec3 direction;
+  float handedness = 1;
+
+  bool operator==(const VertexTangent&) const = default;
+};
+
 // dp/du and dp/dv; both zero if undefined.
 struct UvDerivatives {
   Vec3 dp_du, dp_dv;

@@ -10,9 +10,9 @@
 namespace tessera::core {
 namespace {
 
-// Those of each vertex at all steps become neighbours. convert(vector) is stored.
-template <typename Convert>
-std::vector<Vec3> by_vertex(const std::vector<MeshStep>& steps, std::vector<Vec3> MeshStep::*list,
+// Those of each vertex at all steps become neighbours. convert(value) is stored.
+template <typename Value, typename Convert>
+std::vector<Vec3> by_vertex(const std::vector<MeshStep>& steps, std::vector<Value> MeshStep::*list,
                             const Convert& convert) {
   const std::size_t vertices = (steps[0].*list).size();
   std::vector<Vec3> all;
@@ -28,19 +28,22 @@ float largest(Vec3 v) {
 
 }  // namespace
 
-bool are_sound(const std::vector<MeshStep>& steps, std::size_t vertices, bool with_normals) {
+bool are_sound(const std::vector<MeshStep>& steps, std::size_t vertices, VertexParts parts) {
   if (steps.size() < 2) return false;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (!std::isfinite(steps[i].frame) || (i > 0 && !(steps[i].frame > steps[i - 1].frame))) return false;
     if (steps[i].positions.size() != vertices) return false;
-    if (steps[i].normals.size() != (with_normals ? vertices : 0)) return false;
+    if (steps[i].normals.size() != (parts.normals ? vertices : 0)) return false;
+    if (steps[i].tangents.size() != (parts.tangents ? vertices : 0)) return false;
   }
   return true;
 }
 
 VertexMotion::VertexMotion(const std::vector<MeshStep>& steps)
     : positions_(by_vertex(steps, &MeshStep::positions, [](Vec3 p) { return p; })),
-      normals_(by_vertex(steps, &MeshStep::normals, [](Vec3 n) { return unit_or_zero(Vec3d(n)); })) {
+      normals_(by_vertex(steps, &MeshStep::normals, [](Vec3 n) { return unit_or_zero(Vec3d(n)); })),
+      tangents_(by_vertex(steps, &MeshStep::tangents,
+                          [](const VertexTangent& t) { return unit_or_zero(Vec3d(t.direction)); })) {
   for (const MeshStep& step : steps) frames_.push_back(step.frame);
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/geometry/aabb.hpp"
+#include "core/geometry/surface.hpp"
 #include "core/math/track.hpp"
 #include "core/math/vec3.hpp"
 
@@ -18,12 +19,18 @@ namespace tessera::core {
 struct MeshStep {
   float frame = 0;
   std::vector<Vec3> positions{};
-  std::vector<Vec3> normals{};  // one per position; or empty: flat shading
+  std::vector<Vec3> normals{};            // one per position; or empty: flat shading
+  std::vector<VertexTangent> tangents{};  // one per position, with the handedness of all steps; or empty
+};
+
+// What vertices have beside positions.
+struct VertexParts {
+  bool normals = false, tangents = false;
 };
 
 // Whether the steps are at least two, at finite frames that increase, each of `vertices` positions and of as
-// many normals, or of none if `with_normals` is false.
-bool are_sound(const std::vector<MeshStep>& steps, std::size_t vertices, bool with_normals);
+// many of the parts, or of none.
+bool are_sound(const std::vector<MeshStep>& steps, std::size_t vertices, VertexParts parts);
 
 class VertexMotion {
  public:
@@ -33,16 +40,18 @@ class VertexMotion {
     double part = 0;  // of the way, from 0 to 1
   };
 
-  // The steps must be sound. Normals are made unit vectors, as those of meshes.
+  // The steps must be sound. Normals and tangents are made unit vectors, as those of meshes.
   explicit VertexMotion(const std::vector<MeshStep>& steps);
 
   std::size_t vertex_count() const { return positions_.size() / frames_.size(); }
   bool has_normals() const { return !normals_.empty(); }
+  bool has_tangents() const { return !tangents_.empty(); }
   Moment at(float frame) const;
   // At a step, to the bit, those of the step. Also between steps that are equal.
   Vec3 position(std::size_t vertex, Moment moment) const { return between(positions_, vertex, moment); }
   // Unit vectors at steps, interpolated linearly between.
   Vec3 normal(std::size_t vertex, Moment moment) const { return between(normals_, vertex, moment); }
+  Vec3 tangent(std::size_t vertex, Moment moment) const { return between(tangents_, vertex, moment); }
 
   // Whether there are two different steps in the interval.
   bool moves(FrameInterval interval) const {
@@ -55,7 +64,7 @@ class VertexMotion {
   Vec3 between(const std::vector<Vec3>& vectors, std::size_t vertex, Moment moment) const;
 
   std::vector<float> frames_;
-  std::vector<Vec3> positions_, normals_;  // those of a vertex at all steps are neighbours
+  std::vector<Vec3> positions_, normals_, tangents_;  // those of a vertex at all steps are neighbours
 };
 
 }  // namespace tessera::core

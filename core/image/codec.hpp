@@ -5,8 +5,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -25,6 +27,9 @@ struct ImageSize {
   }
 };
 
+// The CIE 1931 chromaticities x and y of a file's red, green, blue and white.
+using PrimaryCoordinates = std::array<float, 8>;
+
 // The pixels of a file in the file's precision.
 struct DecodedImage {
   using Bytes = std::vector<std::uint8_t>;   // codes in [0, 255]
@@ -35,6 +40,8 @@ struct DecodedImage {
   std::size_t channels = 3;                   // R, G, B; with 4, A follows and is not premultiplied
   std::variant<Bytes, Words, Floats> values;  // `channels` per pixel, row-major from the top left
   std::vector<std::string> warnings;          // oddities of the file, and how they were read
+  // Of linear values; nullopt for those of Rec. 709.
+  std::optional<PrimaryCoordinates> primaries{};
 
   bool is_linear() const { return std::holds_alternative<Floats>(values); }
 };

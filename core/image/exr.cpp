@@ -211,12 +211,13 @@ Result<ImageSize> read_size(std::string_view bytes) {
 
 // What `read` returns of the file, whose exceptions become errors.
 template <typename Read>
-auto with_stream(std::string_view bytes, const Read& read) -> decltype(read(std::declval<StringReader&>())) {
+auto with_stream(std::string_view bytes, const Read& read)
+    -> decltype(read(std::declval<StringReader&>(), std::declval<const ExrHeader&>())) {
   const auto header = checked_exr_header(bytes);
   if (!header) return broken_exr(header.error().message);
   try {
     StringReader stream(header->bytes, bytes);
-    return read(stream);
+    return read(stream, *header);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {
@@ -225,13 +226,17 @@ auto with_stream(std::string_view bytes, const Read& read) -> decltype(read(std:
 }
 
 Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const DecodeOptions& options) {
-  return with_stream(bytes, [&](StringReader& stream) { return read_pixels(stream, size, options); });
+  return with_stream(bytes, [&](StringReader& stream, const ExrHeader& header) {
+    auto image = read_pixels(stream, size, options);
+    if (image) image->primaries = header.primaries;
+    return image;
+  });
 }
 
 }  // namespace
 
 Result<std::vector<std::string>> exr_layers(std::string_view bytes) {
-  return with_stream(bytes, [](StringReader& stream) -> Result<std::vector<std::string>> {
+  return with_stream(bytes, [](StringReader& stream, const ExrHeader&) -> Result<std::vector<std::string>> {
     return layers_of(Imf::InputFile(stream, 0).header().channels());
   });
 }

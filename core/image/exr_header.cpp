@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -64,6 +66,21 @@ struct Claims {
   std::int64_t channels = 0;
 };
 
+// Of an attribute "chromaticities"; nullopt if they are those of Rec. 709, to three digits, or damaged.
+std::optional<PrimaryCoordinates> foreign_primaries(std::string_view type, std::string_view value) {
+  constexpr PrimaryCoordinates kRec709{0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
+  constexpr float kTolerance = 1e-3f;
+  PrimaryCoordinates read{};
+  if (type != "chromaticities" || value.size() != sizeof(read)) return std::nullopt;
+  bool differ = false;
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    read[i] = std::bit_cast<float>(number_at(value, 4 * i));
+    if (!std::isfinite(read[i])) return std::nullopt;
+    differ |= std::fabs(read[i] - kRec709[i]) > kTolerance;
+  }
+  return differ ? std::optional(read) : std::nullopt;
+}
+
 // The attribute must be well-formed (is_as_needed).
 void note_claim(std::string_view name, std::string_view value, Claims& claims) {
   const auto number = [&](std::size_t i) {
@@ -122,6 +139,7 @@ Result<ExrHeader> checked_exr_header(std::string_view bytes) {
     return refuse("it is deep, or of several parts; save it as one flat part");
   std::string header(bytes.substr(0, kMagicAndVersion));
   Claims claims;
+  std::optional<PrimaryCoordinates> primaries;
   for (;;) {
     const std::size_t name_end = bytes.find('\0', header.size());
     if (name_end == std::string_view::npos) return too_early();
@@ -134,6 +152,7 @@ Result<ExrHeader> checked_exr_header(std::string_view bytes) {
     const std::size_t size = number_at(bytes, type_end + 1);
     if (size > bytes.size() - type_end - 5) return too_early();
     const std::string_view value = bytes.substr(type_end + 5, size);
+    if (name == "chromaticities") primaries = foreign_primaries(type, value);
     const auto needed = std::ranges::find(kNeeded, name, &Attribute::name);
     if (needed != kNeeded.end()) {
       if (!is_as_needed(*needed, type, value))
@@ -146,7 +165,8 @@ Result<ExrHeader> checked_exr_header(std::string_view bytes) {
   if (!is_plausible_size(claims.width, claims.height, bytes.size()) ||
       !is_plausible_block(claims, bytes.size()))
     return refuse(implausible_size(claims.width, claims.height));
-  return ExrHeader{std::move(header), {static_cast<int>(claims.width), static_cast<int>(claims.height)}};
+  return ExrHeader{
+      std::move(header), {static_cast<int>(claims.width), static_cast<int>(claims.height)}, primaries};
 }
 
 }  // namespace tessera::core

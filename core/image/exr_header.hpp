@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -17,6 +18,8 @@ struct ExrHeader {
   // are not needed are made opaque, so that OpenEXR does not interpret them.
   std::string bytes;
   ImageSize size;  // of the data window
+  // Those that the file names, if they are not those of Rec. 709, which a file without them has.
+  std::optional<PrimaryCoordinates> primaries{};
 };
 
 // Errors: an attribute exceeds the file or has the wrong type, the image or its tiles are larger than the

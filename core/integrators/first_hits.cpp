@@ -47,9 +47,10 @@ std::uint64_t find_first_hits(const Scene& scene, std::span<const Ray> camera_ra
   std::vector<Enclosure> enclosures(scene.is_opaque() ? 0 : rays.size());
   if (!scene.is_opaque())
     traced += pass_by_chance(
-        scene, rays.all(), met.all(), [](std::uint32_t) { return kTreeRoot; },
+        scene, RayOrigin::kCamera, rays.all(), met.all(), [](std::uint32_t) { return kTreeRoot; },
         [&](std::uint32_t i) -> const Sampler& { return *samplers[i]; },
-        [&](std::uint32_t i) -> Enclosure& { return enclosures[i]; }, [](std::uint32_t, Rgb) {});
+        [&](std::uint32_t i) -> Enclosure& { return enclosures[i]; },
+        [](std::uint32_t, const Ray&, const Hit&, const Crossing&) {});
   for (std::size_t i = 0; i < rays.size(); ++i)
     hits[i] = describe(scene, rays[i], met[i], camera_rays[i].origin);
   return traced;

@@ -30,7 +30,8 @@ bool pays(const LightsInCone& lights, const Camera& camera, const DoubleCone& co
 }  // namespace
 
 LensLights::LensLights(const Scene& scene, int threads) : scene_(&scene) {
-  if (!scene.camera().has_lens()) return;
+  // Connections to the lens take hidden surfaces for opaque.
+  if (!scene.camera().has_lens() || scene.hides_surfaces()) return;
   std::vector<LightTree::Item> small;
   for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
     if (is_delta(scene.lights()[i])) continue;

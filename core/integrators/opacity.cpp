@@ -36,10 +36,12 @@ bool enter_surface(const Scene& scene, std::uint32_t material, const Ray& ray, c
 
 }  // namespace
 
-Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::uint32_t crossing,
-                     Enclosure& enclosure) {
+Crossing crossing_at(const Scene& scene, RayOrigin origin, const Ray& ray, const Hit& hit,
+                     std::uint32_t crossing, Enclosure& enclosure) {
   const std::uint32_t index = scene.primitives().material(hit);
   const Material* material = &scene.materials()[index];
+  if (origin == RayOrigin::kCamera && !material->visible_to_camera && crossing < kMaxCrossings)
+    return {nullptr, scene.primitives().surface(ray, hit), 0, Rgb::gray(1)};
   SurfacePoint surface;
   const bool is_nested = scene.nested_dielectrics().contains(index);
   if (is_nested) {
@@ -55,20 +57,23 @@ Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::ui
   const auto [stopped, transmittance] =
       interception_at(*material, scene.materials(), scene.textures(), uv_sets_at(scene, hit, surface),
                       meeting_cosine(surface, normalize(ray.direction)), is_behind(surface, -ray.direction));
-  return {material, surface, stopped, transmittance};
+  return {material, surface, stopped, transmittance, emits_in_passing(*material)};
 }
 
-Met meet_by_chance(const Scene& scene, const Ray& ray, const Sampler& sampler, std::uint64_t name,
-                   Enclosure& enclosure) {
+Met meet_by_chance(const Scene& scene, RayOrigin origin, const Ray& ray, const Sampler& sampler,
+                   std::uint64_t name, Enclosure& enclosure, const OnPass& on_pass) {
   Met met{ray, scene.bvh().closest_hit(scene.primitives(), ray)};
   if (scene.is_opaque() || !met.hit.found()) return met;
   SingleRow segment(met.ray);
   SingleRow found(met.hit);
   met.traced += pass_by_chance(
-      scene, segment.all(), found.all(), [&](std::uint32_t) { return name; },
+      scene, origin, segment.all(), found.all(), [&](std::uint32_t) { return name; },
       [&](std::uint32_t) -> const Sampler& { return sampler; },
       [&](std::uint32_t) -> Enclosure& { return enclosure; },
-      [&](std::uint32_t, Rgb tint) { met.tint *= tint; });
+      [&](std::uint32_t, const Ray& passing, const Hit& hit, const Crossing& crossing) {
+        if (on_pass) on_pass(passing, hit, crossing, met.tint);
+        met.tint *= crossing.tint();
+      });
   met.ray = segment.row();
   met.hit = found.row();
   return met;
@@ -82,7 +87,7 @@ std::uint64_t find_transmittances(const Scene& scene, ColumnsView<const Ray> ray
   std::fill(shares.begin(), shares.end(), Rgb::gray(1));
   const auto pass = [&](std::uint32_t i, const Ray& segment, const Hit& hit,
                         std::uint32_t crossing) -> std::optional<Ray> {
-    const Crossing met = crossing_at(scene, segment, hit, crossing, enclosures[i]);
+    const Crossing met = crossing_at(scene, RayOrigin::kScene, segment, hit, crossing, enclosures[i]);
     shares[i] *= met.transmittance;
     if (is_black(shares[i])) return std::nullopt;
     return rest_of(rays[i], met.surface);

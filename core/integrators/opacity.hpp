@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <utility>
@@ -20,6 +21,12 @@ namespace tessera::core {
 // The maximum number of surfaces that a ray crosses. The next one is treated as opaque, so that every ray
 // ends.
 inline constexpr std::uint32_t kMaxCrossings = 1u << 14;
+
+// Where a ray begins. Camera rays pass what is hidden from the camera.
+enum class RayOrigin { kCamera, kScene };
+inline RayOrigin origin_at_depth(int depth) {
+  return depth == 0 ? RayOrigin::kCamera : RayOrigin::kScene;
+}
 
 // A place of a path among nested dielectrics: what encloses both sides of the last surface that was met.
 struct Enclosure {
@@ -71,30 +78,31 @@ struct Crossing {
   SurfacePoint surface{};              // if rays pass, or among nested dielectrics
   float hit = 1;                       // the probability that it is scattered; 1: the surface stops every ray
   Rgb transmittance{};                 // of a shadow ray
+  bool emits = false;                  // towards rays that pass
 
   // The weight of rays that pass.
   Rgb tint() const { return transmittance / (1 - hit); }
 };
 // `enclosure`, where the ray begins, becomes that of the surface.
-Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::uint32_t crossing,
-                     Enclosure& enclosure);
+Crossing crossing_at(const Scene& scene, RayOrigin origin, const Ray& ray, const Hit& hit,
+                     std::uint32_t crossing, Enclosure& enclosure);
 // The rest of a shadow ray behind a surface; nothing if the surface is at its end.
 std::optional<Ray> rest_of(const Ray& whole, const SurfacePoint& surface);
 
 // Stochastically passes rays[i] through the surfaces they hit. sampler_of(i) is the sampler of the ray's
 // sample, and name_of(i) distinguishes the rays of that sample; enclosure_of(i) is where the ray begins, and
-// becomes that of the surface it hits; weigh(i, tint) multiplies what the ray carries. Returns the number of
-// rays traced.
-template <typename NameOf, typename SamplerOf, typename EnclosureOf, typename Weigh>
-std::uint64_t pass_by_chance(const Scene& scene, ColumnsView<Ray> rays, ColumnsView<Hit> hits,
-                             const NameOf& name_of, const SamplerOf& sampler_of,
-                             const EnclosureOf& enclosure_of, const Weigh& weigh) {
+// becomes that of the surface it hits; on_pass(i, ray, hit, crossing) is called for each surface passed,
+// whose tint multiplies what the ray carries on. Returns the number of rays traced.
+template <typename NameOf, typename SamplerOf, typename EnclosureOf, typename OnPass>
+std::uint64_t pass_by_chance(const Scene& scene, RayOrigin origin, ColumnsView<Ray> rays,
+                             ColumnsView<Hit> hits, const NameOf& name_of, const SamplerOf& sampler_of,
+                             const EnclosureOf& enclosure_of, const OnPass& on_pass) {
   const auto pass = [&](std::uint32_t i, const Ray& ray, const Hit& hit,
                         std::uint32_t crossing) -> std::optional<Ray> {
-    const Crossing met = crossing_at(scene, ray, hit, crossing, enclosure_of(i));
+    const Crossing met = crossing_at(scene, origin, ray, hit, crossing, enclosure_of(i));
     if (met.hit >= 1) return std::nullopt;
     if (met.hit > 0 && sampler_of(i).opacity_number(name_of(i), crossing) < met.hit) return std::nullopt;
-    weigh(i, met.tint());
+    on_pass(i, ray, hit, met);
     return Ray{offset_origin(met.surface, ray.direction), ray.direction, ray.t_max, ray.time};
   };
   return trace_through(scene, rays, hits, pass);
@@ -107,9 +115,11 @@ struct Met {
   std::uint64_t traced = 1;  // the number of rays traced
   Rgb tint = Rgb::gray(1);   // of the surfaces passed
 };
+// Is called for each surface that a ray passes, with the tint of those before it.
+using OnPass = std::function<void(const Ray& ray, const Hit& hit, const Crossing& crossing, Rgb tint)>;
 // Traces one ray stochastically, as pass_by_chance does.
-Met meet_by_chance(const Scene& scene, const Ray& ray, const Sampler& sampler, std::uint64_t name,
-                   Enclosure& enclosure);
+Met meet_by_chance(const Scene& scene, RayOrigin origin, const Ray& ray, const Sampler& sampler,
+                   std::uint64_t name, Enclosure& enclosure, const OnPass& on_pass = {});
 
 // Stores the transmittance along each shadow ray rays[i], which begins at enclosures[i], in shares[i]. The
 // enclosures change on the way. Returns the number of rays traced.

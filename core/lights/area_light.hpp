@@ -52,8 +52,9 @@ struct SurfaceEmission {
   double mean_radiance;         // over the surface: radiance times opacity
   bool two_sided = true;        // else only the front emits
   ScalarParameter opacity = 1;  // the fraction of the radiance that is emitted
+  bool stops_rays = true;       // else they go on behind it, and meet other points of the light
 
-  bool is_opaque() const { return opacity.texture < 0 && opacity.value >= 1; }
+  bool is_opaque() const { return stops_rays && opacity.texture < 0 && opacity.value >= 1; }
 };
 
 class AreaLight {

@@ -162,7 +162,7 @@ std::uint32_t AreaLightFinder::add_light(const QuadLight* quad, const Primitives
   const LightShape shape =
       quad != nullptr ? LightShape(*quad) : shape_of(primitives.owner(middle), middle.primitive, is_textured);
   const SurfaceEmission emission{material.emission, mean_radiances_[material_id], material.two_sided_emission,
-                                 material.opacity};
+                                 material.opacity, !emits_in_passing(material)};
   const Light light = light_at(shape, primitives, middle, emission);
   const double watts = power(light, 1);
   if (!(watts > 0 && std::isfinite(watts))) return kNoLight;

@@ -12,6 +12,7 @@
 
 #include "core/camera/camera_description.hpp"
 #include "core/geometry/curves.hpp"
+#include "core/geometry/surface.hpp"
 #include "core/geometry/vertex_motion.hpp"
 #include "core/image/display.hpp"
 #include "core/lights/spot_description.hpp"
@@ -42,6 +43,9 @@ struct MeshDescription {
   std::vector<MeshStep> steps{};
   // A second set of texture coordinates, one per position, beside `uvs`; or empty: then `uvs` count as both.
   std::vector<Vec2> second_uvs{};
+  // One per position, of any length but 0; or empty. Normal maps and anisotropic highlights follow them
+  // instead of the texture coordinates, whatever set or transform their images have.
+  std::vector<VertexTangent> tangents{};
 };
 
 struct SphereDescription {

@@ -32,7 +32,7 @@ void reserve(const std::vector<ShapeDescription>& shapes, Primitives& primitives
 void add_mesh(MeshDescription mesh, Primitives& primitives) {
   const std::uint32_t first_triangle = primitives.triangle_count();
   primitives.add_mesh(std::move(mesh.positions), mesh.normals, mesh.uvs, std::move(mesh.triangles),
-                      mesh.triangle_materials, mesh.colors, mesh.second_uvs);
+                      mesh.triangle_materials, mesh.colors, mesh.second_uvs, mesh.tangents);
   if (!mesh.steps.empty()) primitives.deform_last_mesh(mesh.steps, first_triangle);
 }
 

@@ -41,8 +41,6 @@ Status check_material(const Material& material, const SceneDescription& scene) {
   if (const auto mistake = mistake_in(material, counts_of(scene))) return wrong(mistake->text());
   if (material.sampling == Sampling::kHalfVector && !std::holds_alternative<CookTorrance>(material.model))
     return wrong("only cook_torrance can be sampled by half-vectors");
-  if (std::holds_alternative<Null>(material.model) && !is_black(material.emission.value))
-    return wrong("a null material cannot emit");
   if (!is_valid_radiance(material.emission, scene.textures))
     return wrong("emission times its texture is too bright to be computed; lower it");
   return {};

@@ -30,7 +30,8 @@ bool is_share(Rgb c) {
 
 // The coordinates are checked before those of the mesh at rest, which lie between.
 Status check_steps(const MeshDescription& mesh) {
-  if (!are_sound(mesh.steps, mesh.positions.size(), !mesh.normals.empty()))
+  if (!are_sound(mesh.steps, mesh.positions.size(),
+                 {.normals = !mesh.normals.empty(), .tangents = !mesh.tangents.empty()}))
     return invalid_shape(
         "a mesh that deforms needs two steps or more, in the order of their frames, of equally many "
         "vertices");
@@ -57,6 +58,8 @@ Status check_mesh(const MeshDescription& mesh, std::size_t material_count) {
   if (!mesh.second_uvs.empty() && mesh.second_uvs.size() != mesh.uvs.size())
     return invalid_shape(fmt::format("{} second texture coordinates for {} first ones",
                                      mesh.second_uvs.size(), mesh.uvs.size()));
+  if (!mesh.tangents.empty() && mesh.tangents.size() != vertices)
+    return invalid_shape(fmt::format("{} tangents for {} vertices", mesh.tangents.size(), vertices));
   if (!mesh.colors.empty() && mesh.colors.size() != vertices)
     return invalid_shape(fmt::format("{} colours for {} vertices", mesh.colors.size(), vertices));
   for (std::size_t i = 0; i < mesh.colors.size(); ++i)

@@ -2,6 +2,7 @@
 #include "core/spectra/color_space.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace tessera::core {
@@ -115,12 +116,45 @@ std::optional<ColorMatrix> to_rec709(std::string_view color_space) {
   return std::nullopt;
 }
 
-ColorMatrix white_balance(Chromaticity from) {
+namespace {
+
+// Of XYZ.
+ColorMatrix adaptation_to_d65(Chromaticity from) {
   const Row source = product(kConesFromXyz, xyz_of(from)), target = product(kConesFromXyz, xyz_of(kD65));
   ColorMatrix scale;
   for (std::size_t i = 0; i < 3; ++i) scale.rows[i][i] = target[i] / source[i];
-  const ColorMatrix in_xyz = product(kXyzFromCones, product(scale, kConesFromXyz));
-  return product(kRec709FromXyz, product(in_xyz, kXyzFromRec709));
+  return product(kXyzFromCones, product(scale, kConesFromXyz));
+}
+
+double determinant(const Row& a, const Row& b, const Row& c) {
+  return a[0] * (b[1] * c[2] - b[2] * c[1]) - b[0] * (a[1] * c[2] - a[2] * c[1]) +
+         c[0] * (a[1] * b[2] - a[2] * b[1]);
+}
+
+// Not divided by y, which is 0 for the imaginary primaries of some spaces.
+Row direction_of(Chromaticity c) {
+  return {c.x, c.y, 1 - c.x - c.y};
+}
+
+}  // namespace
+
+// The columns of the map to XYZ are the primaries, scaled so that (1, 1, 1) is white (by Cramer's rule).
+std::optional<ColorMatrix> to_rec709(const Primaries& primaries) {
+  const Row r = direction_of(primaries.red), g = direction_of(primaries.green),
+            b = direction_of(primaries.blue);
+  const double volume = determinant(r, g, b);
+  constexpr double kFlat = 1e-6;
+  if (!(std::fabs(volume) > kFlat) || !(primaries.white.y > kFlat)) return std::nullopt;
+  const Row white = xyz_of(primaries.white);
+  const Row scale{determinant(white, g, b) / volume, determinant(r, white, b) / volume,
+                  determinant(r, g, white) / volume};
+  ColorMatrix to_xyz;
+  for (std::size_t i = 0; i < 3; ++i) to_xyz.rows[i] = {r[i] * scale[0], g[i] * scale[1], b[i] * scale[2]};
+  return product(kRec709FromXyz, product(adaptation_to_d65(primaries.white), to_xyz));
+}
+
+ColorMatrix white_balance(Chromaticity from) {
+  return product(kRec709FromXyz, product(adaptation_to_d65(from), kXyzFromRec709));
 }
 
 }  // namespace tessera::core

@@ -39,6 +39,15 @@ Chromaticity daylight(double kelvin);
 // white D65, as Display P3) and "aces2065-1" (white adapted to D65). nullopt for other names.
 std::optional<ColorMatrix> to_rec709(std::string_view color_space);
 
+// The primaries and the white of linear colours.
+struct Primaries {
+  Chromaticity red, green, blue, white;
+};
+
+// The same for any primaries, with the white adapted to D65 as by white_balance(). nullopt if they span no
+// colours.
+std::optional<ColorMatrix> to_rec709(const Primaries& primaries);
+
 // Adapts colours of Rec. 709 seen under the white `from` to D65 (von Kries, with the cone responses of
 // Bradford: Lam 1985).
 ColorMatrix white_balance(Chromaticity from);

@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "core/image/srgb.hpp"
+#include "core/spectra/color_space.hpp"
 
 namespace tessera::core {
 namespace {
@@ -33,6 +34,27 @@ std::size_t make_usable(std::vector<float>& values) {
     value = kept;
   }
   return replaced;
+}
+
+// Converts colours with other primaries to those of Rec. 709, in place.
+void convert(std::vector<float>& values, std::size_t channels, const ColorMatrix& to_rec709) {
+  for (std::size_t i = 0; i + 3 <= values.size(); i += channels) {
+    const Rgb color = to_rec709({values[i], values[i + 1], values[i + 2]});
+    values[i] = usable(color.r), values[i + 1] = usable(color.g), values[i + 2] = usable(color.b);
+  }
+}
+
+// Of an image of linear values.
+void settle_primaries(DecodedImage& image, ColorSpace color_space) {
+  const auto& [rx, ry, gx, gy, bx, by, wx, wy] = *image.primaries;
+  const auto of = [](float x, float y) { return Chromaticity{double{x}, double{y}}; };
+  const auto matrix = to_rec709(Primaries{of(rx, ry), of(gx, gy), of(bx, by), of(wx, wy)});
+  if (!matrix)
+    image.warnings.emplace_back("has primaries that span no colours; they count as those of sRGB");
+  else if (color_space == ColorSpace::kSrgb)
+    convert(std::get<DecodedImage::Floats>(image.values), image.channels, *matrix);
+  else
+    image.warnings.emplace_back("has other primaries than sRGB, which are not used: it is read as data");
 }
 
 std::vector<float> linear_values(const std::vector<std::uint16_t>& codes, ColorSpace color_space) {
@@ -119,6 +141,7 @@ Result<TextureImage> decode(std::string_view bytes, ColorSpace color_space, Text
       decoded->warnings.push_back(fmt::format(
           "has values that are negative, infinite or not numbers ({} of them); 0 or {} is used instead",
           replaced, kLargestHalf));
+  if (decoded->primaries && !wants_alpha) settle_primaries(*decoded, color_space);
   if (warnings != nullptr) *warnings = std::move(decoded->warnings);
   return std::visit(
       [&](auto& values) { return image_of_channel(decoded->size, values, color_space, channel); },

@@ -20,7 +20,8 @@ using TextureSize = ImageSize;
 Result<TextureSize> texture_size(std::string_view bytes);
 
 // 8-bit files stay bytes in `color_space`; 16-bit files become linear floats; float and HDR files are
-// always linear. Gray becomes RGB. NaN and negative values become 0, infinite ones the largest half float.
+// always linear, and kSrgb converts colours whose file names other primaries than those of sRGB. Gray becomes
+// RGB. NaN and negative values become 0, infinite ones the largest half float.
 // The image has the size in its header. Alpha is always linear; if it is 1 everywhere, or the file has
 // none, the image is a single texel of 1. Errors of both functions complete a sentence that begins with the
 // file's name: "is a GIF image, which is not supported; save it as PNG". `warnings`, if not null, gets

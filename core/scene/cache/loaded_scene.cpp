@@ -49,13 +49,19 @@ bool is_finite(Vec2 v) {
   return std::isfinite(v.x) && std::isfinite(v.y);
 }
 
+bool are_finite(const std::vector<Vec3>& normals, const std::vector<VertexTangent>& tangents) {
+  return std::ranges::all_of(normals, [](Vec3 normal) { return core::is_finite(normal); }) &&
+         std::ranges::all_of(tangents, [](const VertexTangent& tangent) {
+           return core::is_finite(tangent.direction) && std::isfinite(tangent.handedness);
+         });
+}
+
 bool is_finite_mesh(const MeshDescription& mesh) {
-  return std::ranges::all_of(mesh.normals, [](Vec3 normal) { return core::is_finite(normal); }) &&
+  return are_finite(mesh.normals, mesh.tangents) &&
          std::ranges::all_of(mesh.uvs, [](Vec2 uv) { return is_finite(uv); }) &&
          std::ranges::all_of(mesh.second_uvs, [](Vec2 uv) { return is_finite(uv); }) &&
-         std::ranges::all_of(mesh.steps, [](const MeshStep& step) {
-           return std::ranges::all_of(step.normals, [](Vec3 normal) { return core::is_finite(normal); });
-         });
+         std::ranges::all_of(mesh.steps,
+                             [](const MeshStep& step) { return are_finite(step.normals, step.tangents); });
 }
 
 // What the shapes take of the 32-bit ids.

@@ -81,12 +81,13 @@ auto fields(Is<VoxelGrid> auto& value) {
   return std::tie(size, channels, values, filter, border);
 }
 auto fields(Is<MeshDescription> auto& value) {
-  auto& [positions, normals, uvs, triangles, triangle_materials, colors, steps, second_uvs] = value;
-  return std::tie(positions, normals, uvs, triangles, triangle_materials, colors, steps, second_uvs);
+  auto& [positions, normals, uvs, triangles, triangle_materials, colors, steps, second_uvs, tangents] = value;
+  return std::tie(positions, normals, uvs, triangles, triangle_materials, colors, steps, second_uvs,
+                  tangents);
 }
 auto fields(Is<MeshStep> auto& value) {
-  auto& [frame, positions, normals] = value;
-  return std::tie(frame, positions, normals);
+  auto& [frame, positions, normals, tangents] = value;
+  return std::tie(frame, positions, normals, tangents);
 }
 auto fields(Is<DiskDescription> auto& value) {
   auto& [center, radius_u, radius_v, inner, flipped, material] = value;
@@ -408,6 +409,6 @@ constexpr bool is_known(Sampling value) {
 template <typename T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T> || Is<T, Vec2> || Is<T, Vec3> || Is<T, Rgb> ||
     Is<T, Quaternion> || Is<T, std::array<std::uint32_t, 3>> || Is<T, TextureImage::Tile> || Is<T, BvhNode> ||
-    Is<T, BvhPacket>;
+    Is<T, BvhPacket> || Is<T, VertexTangent>;
 
 }  // namespace tessera::core::stored

@@ -25,21 +25,16 @@ std::vector<Value> textures_of(const Value& material) {
   return infos;
 }
 
-bool follows_tangents(const Value& material) {
-  return material["normalTexture"].exists() || material.extension("KHR_materials_anisotropy").exists() ||
-         material.extension("KHR_materials_clearcoat")["clearcoatNormalTexture"].exists() ||
-         material.extension("KHR_materials_coat").exists();
-}
-
 // Why the attribute is ignored; empty if it is not, or if nobody misses it.
-std::string why_ignored(std::string_view name, const Value& material, const std::vector<std::string>& used) {
+std::string why_ignored(std::string_view name, const Value& attributes, const Value& material,
+                        const std::vector<std::string>& used) {
   for (const std::string_view read : {"POSITION", "NORMAL", "COLOR_0"})
     if (name == read) return {};
   for (const std::string_view told : {"_", "JOINTS_", "WEIGHTS_"})
     if (name.starts_with(told)) return {};
   if (name == "TANGENT") {
-    if (!follows_tangents(material)) return {};
-    return "the tangents of the mesh are not used: those of its texture coordinates replace them";
+    if (attributes["NORMAL"].exists() || !follows_tangents(material)) return {};
+    return "the tangents of a mesh without normals are ignored, as glTF demands";
   }
   if (name.starts_with(kCoordinates)) {
     if (std::find(used.begin(), used.end(), name) != used.end()) return {};
@@ -50,6 +45,12 @@ std::string why_ignored(std::string_view name, const Value& material, const std:
 }
 
 }  // namespace
+
+bool follows_tangents(const Value& material) {
+  return material["normalTexture"].exists() || material.extension("KHR_materials_anisotropy").exists() ||
+         material.extension("KHR_materials_clearcoat")["clearcoatNormalTexture"].exists() ||
+         material.extension("KHR_materials_coat").exists();
+}
 
 std::vector<std::string> coordinate_names(const Value& material) {
   std::vector<std::string> names;
@@ -66,7 +67,7 @@ void tell_ignored_attributes(const Document& document, const Value& primitive, c
                              const std::vector<std::string>& used) {
   const Value attributes = primitive["attributes"];
   for (const std::string& name : attributes.keys())
-    if (const std::string why = why_ignored(name, material, used); !why.empty())
+    if (const std::string why = why_ignored(name, attributes, material, used); !why.empty())
       document.warn(attributes[name], "ignored " + name, why);
 }
 

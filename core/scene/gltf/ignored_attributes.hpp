@@ -9,6 +9,10 @@
 
 namespace tessera::core::gltf {
 
+// Whether tangents of meshes change what the material looks like: it has a normal map or stretches
+// highlights.
+bool follows_tangents(const Value& material);
+
 // The names of the texture coordinates that a material's textures use. Without textures, the first set
 // counts: tangents follow it.
 std::vector<std::string> coordinate_names(const Value& material);

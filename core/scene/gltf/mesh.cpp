@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/scene/loader/vertex_normals.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core::gltf {
@@ -76,6 +77,11 @@ std::vector<Vec2> uvs_of(const Accessor& values, const std::vector<std::uint32_t
 void add_scaled(std::vector<Vec3>& vectors, const Accessor& deltas, const std::vector<std::uint32_t>& used,
                 float weight) {
   for (std::size_t k = 0; k < used.size(); ++k) vectors[k] += deltas.vec3(used[k]) * weight;
+}
+
+void add_scaled(std::vector<VertexTangent>& tangents, const Accessor& deltas,
+                const std::vector<std::uint32_t>& used, float weight) {
+  for (std::size_t k = 0; k < used.size(); ++k) tangents[k].direction += deltas.vec3(used[k]) * weight;
 }
 
 Transform weighted(const Transform& map, float weight) {
@@ -185,7 +191,7 @@ MeshReader::Triangles MeshReader::stored_triangles(const Source& source) const {
   return triangles;
 }
 
-std::optional<Part> MeshReader::read(const Value& primitive, const std::vector<std::uint32_t>& uv_sets,
+std::optional<Part> MeshReader::read(const Value& primitive, const UsedAttributes& used,
                                      const std::vector<MeshPose>& poses) {
   if (!has_area(primitive)) return std::nullopt;
   Source source = open(primitive);
@@ -199,7 +205,7 @@ std::optional<Part> MeshReader::read(const Value& primitive, const std::vector<s
   part.mesh.triangles = triangles_of(source);
   source.used = renumber(part.mesh.triangles, source.vertices);
   part.mesh.positions = vectors_of(*positions, source.used);
-  read_attributes(part, source, uv_sets);
+  read_attributes(part, source, used);
   shape(part.mesh, source, poses);
   return part;
 }
@@ -210,15 +216,16 @@ void MeshReader::shape(MeshDescription& mesh, const Source& source,
   const std::vector<Influences> influences = is_skinned ? influences_of(source) : std::vector<Influences>();
   std::vector<MeshStep> steps;
   for (const MeshPose& pose : poses) {
-    MeshStep step{pose.moment, mesh.positions, mesh.normals};
+    MeshStep step{pose.moment, mesh.positions, mesh.normals, mesh.tangents};
     apply_morph_targets(step, source, pose.weights);
     if (is_skinned) apply_skin(step, source, influences, *pose.joints);
     steps.push_back(std::move(step));
   }
   mesh.positions = steps.front().positions;
   mesh.normals = steps.front().normals;
+  mesh.tangents = steps.front().tangents;
   const bool deforms = std::ranges::any_of(steps, [&](const MeshStep& step) {
-    return step.positions != mesh.positions || step.normals != mesh.normals;
+    return step.positions != mesh.positions || step.normals != mesh.normals || step.tangents != mesh.tangents;
   });
   if (deforms) mesh.steps = std::move(steps);
 }
@@ -260,21 +267,34 @@ void MeshReader::read_second_uvs(MeshDescription& mesh, const Source& source, st
   if (lacks_first) mesh.uvs = std::exchange(mesh.second_uvs, {});
 }
 
-void MeshReader::read_attributes(Part& part, const Source& source,
-                                 const std::vector<std::uint32_t>& uv_sets) const {
+void MeshReader::read_attributes(Part& part, const Source& source, const UsedAttributes& used) const {
   MeshDescription& mesh = part.mesh;
+  const std::vector<std::uint32_t>& uv_sets = used.uv_sets;
   if (const auto normals = optional_attribute(source, "NORMAL", 3))
     mesh.normals = vectors_of(*normals, source.used);
+  if (used.tangents && !mesh.normals.empty()) read_tangents(mesh, source);
   mesh.uvs = read_uvs(source, uv_sets.empty() ? 0 : uv_sets[0]);
   if (uv_sets.size() > 1) read_second_uvs(mesh, source, uv_sets[0], uv_sets[1]);
   if (!uv_sets.empty() && mesh.uvs.empty())
     document_.warn(source.primitive, "no uv",
                    fmt::format("it has no TEXCOORD_{}; its textures show a single texel", uv_sets[0]));
+  read_colors(part, source);
+}
+
+void MeshReader::read_tangents(MeshDescription& mesh, const Source& source) const {
+  const auto tangents = optional_attribute(source, "TANGENT", 4);
+  if (!tangents) return;
+  mesh.tangents.reserve(source.used.size());
+  for (const std::uint32_t i : source.used)
+    mesh.tangents.push_back({tangents->vec3(i), tangents->number(i, 3)});
+}
+
+void MeshReader::read_colors(Part& part, const Source& source) const {
   const auto colors = optional_attribute(source, "COLOR_0", 3, true);
   if (!colors) return;
   for (const std::uint32_t i : source.used) {
     const Vec3 color = colors->vec3(i);
-    mesh.colors.push_back({color.x, color.y, color.z});
+    part.mesh.colors.push_back({color.x, color.y, color.z});
     if (colors->components() == 4) part.alphas.push_back(colors->number(i, 3));
   }
   if (std::ranges::all_of(part.alphas, [](float alpha) { return alpha >= 1; })) part.alphas.clear();
@@ -304,6 +324,7 @@ void MeshReader::apply_skin(MeshStep& step, const Source& source, const std::vec
     step.positions[k] = map.point(step.positions[k]);
     if (!step.normals.empty())
       step.normals[k] = map.determinant() < 0 ? -map.normal(step.normals[k]) : map.normal(step.normals[k]);
+    if (!step.tangents.empty()) step.tangents[k] = transformed(step.tangents[k], map);
   }
   if (missing > 0)
     document_.warn(source.primitive, "missing joints",
@@ -327,7 +348,7 @@ void MeshReader::apply_morph_targets(MeshStep& step, const Source& source,
   for (std::size_t i = 0; i < std::min(targets.size(), weights.size()); ++i) {
     if (weights[i] == 0) continue;
     const Value target = targets.at(i);
-    const auto add_deltas = [&](std::string_view name, std::vector<Vec3>& vectors) {
+    const auto add_deltas = [&](std::string_view name, auto& vectors) {
       if (!target[name].exists() || vectors.empty()) return;
       document_.try_to(target[name], "morph target", "it is ignored", [&] {
         const Accessor deltas = accessors_.read(target[name], 3);
@@ -337,6 +358,7 @@ void MeshReader::apply_morph_targets(MeshStep& step, const Source& source,
     };
     add_deltas("POSITION", step.positions);
     add_deltas("NORMAL", step.normals);
+    add_deltas("TANGENT", step.tangents);
     for (const std::string& name : target.keys())
       if (name.starts_with("TEXCOORD") || name.starts_with("COLOR"))
         document_.warn(target, "morphed attribute",

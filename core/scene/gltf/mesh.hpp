@@ -46,14 +46,19 @@ struct Influences {
   Accessor joints, weights;
 };
 
+// Those that the material of a primitive uses.
+struct UsedAttributes {
+  std::vector<std::uint32_t> uv_sets;  // of its textures, at most two
+  bool tangents = false;
+};
+
 class MeshReader {
  public:
   MeshReader(const Document& document, Buffers& buffers, Accessors& accessors)
       : document_(document), buffers_(buffers), accessors_(accessors) {}
 
-  // A primitive's triangles; nullopt if it has none, with a warning. `uv_sets` are those of its material's
-  // textures, at most two. There is at least one pose.
-  std::optional<Part> read(const Value& primitive, const std::vector<std::uint32_t>& uv_sets,
+  // A primitive's triangles; nullopt if it has none, with a warning. There is at least one pose.
+  std::optional<Part> read(const Value& primitive, const UsedAttributes& used,
                            const std::vector<MeshPose>& poses);
 
  private:
@@ -78,13 +83,15 @@ class MeshReader {
   Triangles triangles_of(Source& source) const;
   Triangles stored_triangles(const Source& source) const;
   void check_triangles(const Value& primitive, std::uint64_t count) const;
-  void read_attributes(Part& part, const Source& source, const std::vector<std::uint32_t>& uv_sets) const;
+  void read_attributes(Part& part, const Source& source, const UsedAttributes& used) const;
+  void read_tangents(MeshDescription& mesh, const Source& source) const;
+  void read_colors(Part& part, const Source& source) const;
   std::vector<Vec2> read_uvs(const Source& source, std::uint32_t set) const;
   // The second of two sets, if the primitive has both; the one that it has counts as both.
   void read_second_uvs(MeshDescription& mesh, const Source& source, std::uint32_t first,
                        std::uint32_t second) const;
   std::vector<Influences> influences_of(const Source& source) const;
-  // Positions and normals at the first pose and, if they differ, at all as steps.
+  // Positions, normals and tangents at the first pose and, if they differ, at all as steps.
   void shape(MeshDescription& mesh, const Source& source, const std::vector<MeshPose>& poses) const;
   void apply_skin(MeshStep& step, const Source& source, const std::vector<Influences>& influences,
                   const JointMaps& maps) const;

@@ -69,7 +69,7 @@ class SceneReader {
   void rest_if_emissive(Part& part);
   void tell_other_uvs(const Value& primitive, const Textures::Coordinates& coordinates) const;
   // nullopt after a warning if the primitive cannot be read.
-  std::optional<Part> read_part(const Value& primitive, const std::vector<std::uint32_t>& uv_sets,
+  std::optional<Part> read_part(const Value& primitive, const UsedAttributes& used,
                                 const std::vector<MeshPose>& poses);
   void add_part(Part part, const std::string& name, const Transform* to_world,
                 std::optional<std::uint32_t> object);
@@ -219,7 +219,7 @@ void SceneReader::add_meshes(const Value& mesh, const std::vector<MeshPose>& pos
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     const Value primitive = primitives.at(i);
     const Materials::Use use = materials_.use(material_index_of(primitive));
-    auto part = read_part(primitive, use.coordinates.sets, poses);
+    auto part = read_part(primitive, {use.coordinates.sets, follows_tangents(use.value)}, poses);
     if (!part) continue;
     tell_other_uvs(primitive, use.coordinates);
     part->mesh.triangle_materials = {use.material};
@@ -229,12 +229,12 @@ void SceneReader::add_meshes(const Value& mesh, const std::vector<MeshPose>& pos
   }
 }
 
-std::optional<Part> SceneReader::read_part(const Value& primitive, const std::vector<std::uint32_t>& uv_sets,
+std::optional<Part> SceneReader::read_part(const Value& primitive, const UsedAttributes& used,
                                            const std::vector<MeshPose>& poses) {
   if (broken_.contains(primitive.path())) return std::nullopt;
   std::optional<Part> part;
   if (!document_.try_to(primitive, "broken primitive", "it cannot be read and is left out",
-                        [&] { part = meshes_.read(primitive, uv_sets, poses); }))
+                        [&] { part = meshes_.read(primitive, used, poses); }))
     broken_.insert(primitive.path());
   return part;
 }

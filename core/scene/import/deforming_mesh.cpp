@@ -35,9 +35,12 @@ Status check_correspondence(const StepFile& first, const StepFile& other) {
         fmt::format("triangle {} of {} has other vertices than that of {}: a mesh that deforms has "
                     "the same triangles at all frames",
                     a - first.mesh.triangles.begin() + 1, in_quotes(other.name), in_quotes(first.name)));
-  if (other.mesh.normals.empty() != first.mesh.normals.empty())
-    return fail(ErrorCode::kInvalidArgument, fmt::format("either both {} and {} have normals, or neither",
-                                                         in_quotes(first.name), in_quotes(other.name)));
+  const auto either = [&](std::string_view what) {
+    return fail(ErrorCode::kInvalidArgument, fmt::format("either both {} and {} have {}, or neither",
+                                                         in_quotes(first.name), in_quotes(other.name), what));
+  };
+  if (other.mesh.normals.empty() != first.mesh.normals.empty()) return either("normals");
+  if (other.mesh.tangents.empty() != first.mesh.tangents.empty()) return either("tangents");
   return {};
 }
 
@@ -89,7 +92,8 @@ Result<MeshDescription> join_steps(std::vector<StepFile> files, NormalsMode norm
     if (normals != NormalsMode::kFile) mesh.normals = {};
     if (normals != NormalsMode::kFlat && mesh.normals.empty())
       mesh.normals = mean_normals(mesh.positions, all.triangles);
-    all.steps.push_back({frame, std::move(mesh.positions), std::move(mesh.normals)});
+    all.steps.push_back(
+        {frame, std::move(mesh.positions), std::move(mesh.normals), std::move(mesh.tangents)});
   }
   set_rest(all);
   tell_repairs(repair_mesh(all), 0, warnings);
@@ -103,9 +107,11 @@ void set_rest(MeshDescription& mesh) {
   const VertexMotion::Moment rest = motion.at(0);
   mesh.normals.resize(motion.has_normals() ? motion.vertex_count() : 0);
   mesh.positions.resize(motion.vertex_count());
+  mesh.tangents = motion.has_tangents() ? mesh.steps.front().tangents : std::vector<VertexTangent>();
   for (std::size_t v = 0; v < motion.vertex_count(); ++v) {
     mesh.positions[v] = motion.position(v, rest);
     if (motion.has_normals()) mesh.normals[v] = motion.normal(v, rest);
+    if (motion.has_tangents()) mesh.tangents[v].direction = motion.tangent(v, rest);
   }
 }
 

@@ -26,6 +26,7 @@ ObjFile as_obj_file(MeshDescription mesh, std::vector<std::uint32_t>& materials)
   file.text.uvs = std::move(mesh.uvs);
   file.text.second_uvs = std::move(mesh.second_uvs);
   file.text.colors = std::move(mesh.colors);
+  file.text.tangents = std::move(mesh.tangents);
   if (!file.text.uvs.empty()) file.corners.uvs = corners;
   file.corners.positions = std::move(corners);
   for (std::size_t t = 0; t < mesh.triangle_materials.size(); ++t) {

@@ -30,11 +30,11 @@ bool drop_if_incomplete(std::vector<T>& list, std::size_t vertices) {
   return true;
 }
 
-// Calls what(positions, normals) for the mesh and each of its steps.
+// Calls what(positions, normals, tangents) for the mesh and each of its steps.
 template <typename What>
 void for_each_step(MeshDescription& mesh, const What& what) {
-  what(mesh.positions, mesh.normals);
-  for (MeshStep& step : mesh.steps) what(step.positions, step.normals);
+  what(mesh.positions, mesh.normals, mesh.tangents);
+  for (MeshStep& step : mesh.steps) what(step.positions, step.normals, step.tangents);
 }
 
 bool is_usable_vertex(const MeshDescription& mesh, std::uint32_t v) {
@@ -59,7 +59,7 @@ std::size_t remove_broken_triangles(MeshDescription& mesh) {
   mesh.triangles.resize(kept);
   if (!one_material) mesh.triangle_materials.resize(kept);
   // No triangle uses these vertices.
-  for_each_step(mesh, [](std::vector<Vec3>& positions, auto&) {
+  for_each_step(mesh, [](std::vector<Vec3>& positions, auto&, auto&) {
     for (Vec3& p : positions)
       if (!is_usable_position(p)) p = {};
   });
@@ -82,6 +82,16 @@ std::size_t repair_normals(const std::vector<std::array<std::uint32_t, 3>>& tria
   }
   for (Vec3& normal : normals)
     if (!has_direction(normal)) normal = {0, 0, 1};
+  return broken;
+}
+
+std::size_t repair_tangents(std::vector<VertexTangent>& tangents) {
+  std::size_t broken = 0;
+  for (VertexTangent& tangent : tangents) {
+    if (is_finite(tangent.direction) && std::isfinite(tangent.handedness)) continue;
+    tangent = {};
+    ++broken;
+  }
   return broken;
 }
 
@@ -113,6 +123,7 @@ MeshRepairs repair_mesh(MeshDescription& mesh) {
   MeshRepairs repairs;
   const std::size_t vertices = mesh.positions.size();
   repairs.dropped_normals = drop_if_incomplete(mesh.normals, vertices);
+  repairs.dropped_tangents = drop_if_incomplete(mesh.tangents, vertices);
   repairs.dropped_uvs = drop_if_incomplete(mesh.uvs, vertices);
   repairs.dropped_uvs |= drop_if_incomplete(mesh.second_uvs, mesh.uvs.size());
   repairs.dropped_colors = drop_if_incomplete(mesh.colors, vertices);
@@ -121,8 +132,9 @@ MeshRepairs repair_mesh(MeshDescription& mesh) {
   const std::size_t before = mesh.triangles.size();
   if (mesh.steps.empty()) remove_superfluous_triangles(mesh);
   repairs.flat_triangles = before - mesh.triangles.size();
-  for_each_step(mesh, [&](const std::vector<Vec3>& positions, std::vector<Vec3>& normals) {
+  for_each_step(mesh, [&](const auto& positions, auto& normals, auto& tangents) {
     repairs.broken_normals += repair_normals(mesh.triangles, positions, normals);
+    repairs.broken_tangents += repair_tangents(tangents);
   });
   repairs.broken_uvs = repair_uvs(mesh.uvs) + repair_uvs(mesh.second_uvs);
   repairs.clamped_colors = clamp_colors(mesh);
@@ -138,9 +150,12 @@ void tell_repairs(const MeshRepairs& repairs, int line, FileWarnings& warnings) 
   tell(repairs.broken_triangles, "triangles",
        "triangles whose corners are no vertices, or no usable ones, are left out");
   tell(repairs.broken_normals, "normals", "normals without a direction become those of triangles");
+  tell(repairs.broken_tangents, "tangents",
+       "tangents that are not finite become those of texture coordinates");
   tell(repairs.broken_uvs, "vertices", "texture coordinates that are not finite become 0");
   tell(repairs.clamped_colors, "vertices", "vertex colours are clamped to [0, 1]");
   tell(repairs.dropped_normals ? 1 : 0, "meshes", "normals are ignored: there is not one for each vertex");
+  tell(repairs.dropped_tangents ? 1 : 0, "meshes", "tangents are ignored: there is not one for each vertex");
   tell(repairs.dropped_uvs ? 1 : 0, "meshes",
        "texture coordinates are ignored: there is not one for each vertex");
   tell(repairs.dropped_colors ? 1 : 0, "meshes",
@@ -150,7 +165,8 @@ void tell_repairs(const MeshRepairs& repairs, int line, FileWarnings& warnings) 
 void transform_mesh(MeshDescription& mesh, const Transform& transform) {
   if (transform == Transform()) return;
   const bool reflects = transform.determinant() < 0;
-  for_each_step(mesh, [&](std::vector<Vec3>& positions, std::vector<Vec3>& normals) {
+  for_each_step(mesh, [&](auto& positions, auto& normals, auto& tangents) {
+    for (VertexTangent& tangent : tangents) tangent = transformed(tangent, transform);
     for (Vec3& p : positions) p = transform.point(p);
     for (Vec3& normal : normals) {
       // Unit length first, so that the cofactors of large scales do not overflow.

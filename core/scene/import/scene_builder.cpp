@@ -14,11 +14,29 @@
 #include "core/scene/import/scene_repair.hpp"
 #include "core/scene/loader/light_limit.hpp"
 #include "core/scene/loader/wording.hpp"
+#include "core/scene/tables/material_tables.hpp"
 #include "core/scene/validate_materials.hpp"
 #include "core/scene/validate_shapes.hpp"
 #include "core/scene/validation.hpp"
 
 namespace tessera::core {
+namespace {
+
+// With the defaults of the keys that the model does not have, which cannot be written.
+Material with_keys_of_its_model(Material material) {
+  Material kept;
+  std::visit(
+      [&]<typename Model>(const Model&) {
+        visit_members(kCommonKeys<Model>, material,
+                      [&](const auto& key, auto& value) { key.of(kept) = std::move(value); });
+      },
+      material.model);
+  kept.name = std::move(material.name);
+  kept.model = std::move(material.model);
+  return kept;
+}
+
+}  // namespace
 
 SceneBuilder::SceneBuilder(AssetSource& assets, std::string scene_path, std::string display_path,
                            const SceneLimits& limits)
@@ -75,8 +93,7 @@ Result<int> SceneBuilder::add_texture(const std::string& path, const ImageUse& u
 
 // The parts of a blend have sides of their own.
 std::uint32_t SceneBuilder::add_material(Material material) {
-  if (std::holds_alternative<Blend>(material.model)) material.two_sided = true;
-  scene_.materials.push_back(std::move(material));
+  scene_.materials.push_back(with_keys_of_its_model(std::move(material)));
   return static_cast<std::uint32_t>(scene_.materials.size()) - 1;
 }
 

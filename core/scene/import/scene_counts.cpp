@@ -23,10 +23,11 @@ std::uint64_t list_bytes(const std::vector<T>& list) {
 
 std::uint64_t mesh_bytes(const MeshDescription& mesh) {
   std::uint64_t of_steps = 0;
-  for (const MeshStep& step : mesh.steps) of_steps += list_bytes(step.positions) + list_bytes(step.normals);
+  for (const MeshStep& step : mesh.steps)
+    of_steps += list_bytes(step.positions) + list_bytes(step.normals) + list_bytes(step.tangents);
   return list_bytes(mesh.positions) + list_bytes(mesh.normals) + list_bytes(mesh.uvs) +
          list_bytes(mesh.second_uvs) + list_bytes(mesh.triangles) + list_bytes(mesh.triangle_materials) +
-         list_bytes(mesh.colors) + of_steps;
+         list_bytes(mesh.colors) + list_bytes(mesh.tangents) + of_steps;
 }
 
 // As if each segment had half of the most parts that it may have.

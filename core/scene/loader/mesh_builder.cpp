@@ -212,10 +212,12 @@ void MeshBuilder::fill_vertices(const std::vector<Vec3>& computed_normals) {
   if (has_second_uvs) mesh_.second_uvs.reserve(corners.size());
   if (has_normals) mesh_.normals.reserve(corners.size());
   if (has_colors) mesh_.colors.reserve(corners.size());
+  if (!text.tangents.empty()) mesh_.tangents.reserve(corners.size());
   for (const Corner& corner : corners) {
     const auto position = static_cast<std::size_t>(corner.position);
     mesh_.positions.push_back(transform_.point(text.positions[position]));
     if (has_colors) mesh_.colors.push_back(text.colors[position]);
+    if (!text.tangents.empty()) mesh_.tangents.push_back(transformed(text.tangents[position], transform_));
     if (has_normals) mesh_.normals.push_back(transformed_normal(transform_, normal(corner.normal)));
     if (has_uvs) mesh_.uvs.push_back(uv(text.uvs, corner.uv));
     if (has_second_uvs) mesh_.second_uvs.push_back(uv(text.second_uvs, corner.uv));

@@ -35,11 +35,11 @@ struct MeshFile {
 enum class MeshAttributes { kIgnore, kKeep };
 
 // Reads faces of any number of corners, and triangle strips. Polygons are triangulated. Normals are nx, ny,
-// nz; texture coordinates u, v or s, t, also with the prefix "texture_"; the second ones u1, v1; colours red,
-// green, blue or r, g, b, also with the prefix "diffuse_", where integers are sRGB and floats linear. Errors
-// are "NAME: what", where `name` is the file's name in messages: INVALID_ARGUMENT for a broken file or one
-// without faces, RESOURCE_EXHAUSTED beyond the limit. kKeep returns the other properties that are single
-// numbers.
+// nz; tangents tx, ty, tz, with the handedness tw or 1; texture coordinates u, v or s, t, also with the
+// prefix "texture_"; the second ones u1, v1; colours red, green, blue or r, g, b, also with the prefix
+// "diffuse_", where integers are sRGB and floats linear. Errors are "NAME: what", where `name` is the file's
+// name in messages: INVALID_ARGUMENT for a broken file or one without faces, RESOURCE_EXHAUSTED beyond the
+// limit. kKeep returns the other properties that are single numbers.
 Result<MeshFile> read_ply(std::string_view bytes, const std::string& name, const SceneLimit& triangles = {},
                           MeshAttributes attributes = MeshAttributes::kIgnore);
 

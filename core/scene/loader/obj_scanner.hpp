@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/geometry/surface.hpp"
 #include "core/math/rgb.hpp"
 #include "core/math/vec3.hpp"
 #include "core/scene/loader/file_warnings.hpp"
@@ -25,6 +26,7 @@ struct ObjText {
   std::vector<Vec2> uvs;         // "vt"; finite
   std::vector<Vec2> second_uvs;  // beside `uvs`, of other formats; or empty
   std::vector<Rgb> colors;       // linear, one per position; empty if no vertex has one
+  std::vector<VertexTangent> tangents;  // one per position, of other formats; or empty
   std::vector<Library> libraries;
   int first_face_line = 0;
   std::size_t face_count = 0;  // at least 1

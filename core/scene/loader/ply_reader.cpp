@@ -24,7 +24,7 @@ constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 // Where a property of vertices goes.
 using StoreValue = void (*)(MeshDescription& mesh, std::size_t vertex, float value);
 
-enum class VertexData { kPosition, kNormal, kUv, kSecondUv, kColor };
+enum class VertexData { kPosition, kNormal, kTangent, kHandedness, kUv, kSecondUv, kColor };
 
 struct KnownProperty {
   std::string_view name;
@@ -39,6 +39,18 @@ constexpr StoreValue kSetZ = [](MeshDescription& m, std::size_t i, float v) { m.
 constexpr StoreValue kSetNormalX = [](MeshDescription& m, std::size_t i, float v) { m.normals[i].x = v; };
 constexpr StoreValue kSetNormalY = [](MeshDescription& m, std::size_t i, float v) { m.normals[i].y = v; };
 constexpr StoreValue kSetNormalZ = [](MeshDescription& m, std::size_t i, float v) { m.normals[i].z = v; };
+constexpr StoreValue kSetTangentX = [](MeshDescription& m, std::size_t i, float v) {
+  m.tangents[i].direction.x = v;
+};
+constexpr StoreValue kSetTangentY = [](MeshDescription& m, std::size_t i, float v) {
+  m.tangents[i].direction.y = v;
+};
+constexpr StoreValue kSetTangentZ = [](MeshDescription& m, std::size_t i, float v) {
+  m.tangents[i].direction.z = v;
+};
+constexpr StoreValue kSetHandedness = [](MeshDescription& m, std::size_t i, float v) {
+  m.tangents[i].handedness = v;
+};
 constexpr StoreValue kSetU = [](MeshDescription& m, std::size_t i, float v) { m.uvs[i].x = v; };
 constexpr StoreValue kSetV = [](MeshDescription& m, std::size_t i, float v) { m.uvs[i].y = v; };
 constexpr StoreValue kSetSecondU = [](MeshDescription& m, std::size_t i, float v) { m.second_uvs[i].x = v; };
@@ -47,13 +59,17 @@ constexpr StoreValue kSetRed = [](MeshDescription& m, std::size_t i, float v) { 
 constexpr StoreValue kSetGreen = [](MeshDescription& m, std::size_t i, float v) { m.colors[i].g = v; };
 constexpr StoreValue kSetBlue = [](MeshDescription& m, std::size_t i, float v) { m.colors[i].b = v; };
 
-constexpr std::array<KnownProperty, 25> kKnownProperties{{
+constexpr std::array<KnownProperty, 29> kKnownProperties{{
     {"x", VertexData::kPosition, 0, kSetX},
     {"y", VertexData::kPosition, 1, kSetY},
     {"z", VertexData::kPosition, 2, kSetZ},
     {"nx", VertexData::kNormal, 0, kSetNormalX},
     {"ny", VertexData::kNormal, 1, kSetNormalY},
     {"nz", VertexData::kNormal, 2, kSetNormalZ},
+    {"tx", VertexData::kTangent, 0, kSetTangentX},
+    {"ty", VertexData::kTangent, 1, kSetTangentY},
+    {"tz", VertexData::kTangent, 2, kSetTangentZ},
+    {"tw", VertexData::kHandedness, 0, kSetHandedness},
     {"u", VertexData::kUv, 0, kSetU},
     {"v", VertexData::kUv, 1, kSetV},
     {"s", VertexData::kUv, 0, kSetU},
@@ -80,10 +96,17 @@ const KnownProperty* known_property(const PlyProperty& property) {
   return property.is_list || found == kKnownProperties.end() ? nullptr : &*found;
 }
 
-// Whether the element has all components of the data; second texture coordinates count beside first ones.
+int components_of(VertexData data) {
+  if (data == VertexData::kHandedness) return 1;
+  return data == VertexData::kUv || data == VertexData::kSecondUv ? 2 : 3;
+}
+
+// Whether the element has all components of the data. Second texture coordinates count beside first ones, and
+// handedness beside tangents.
 bool has_data(const PlyElement& element, VertexData data) {
   if (data == VertexData::kSecondUv && !has_data(element, VertexData::kUv)) return false;
-  const int components = data == VertexData::kUv || data == VertexData::kSecondUv ? 2 : 3;
+  if (data == VertexData::kHandedness && !has_data(element, VertexData::kTangent)) return false;
+  const int components = components_of(data);
   for (int component = 0; component < components; ++component)
     if (std::ranges::none_of(element.properties, [&](const PlyProperty& property) {
           const KnownProperty* known = known_property(property);
@@ -240,6 +263,7 @@ Status PlyReader::read_vertices(const PlyElement& element) {
   MeshDescription& mesh = file_.mesh;
   mesh.positions.resize(element.count);
   if (has_data(element, VertexData::kNormal)) mesh.normals.resize(element.count);
+  if (has_data(element, VertexData::kTangent)) mesh.tangents.resize(element.count);
   if (has_data(element, VertexData::kUv)) mesh.uvs.resize(element.count);
   if (has_data(element, VertexData::kSecondUv)) mesh.second_uvs.resize(element.count);
   if (has_data(element, VertexData::kColor)) mesh.colors.resize(element.count);

@@ -156,4 +156,11 @@ ComputedNormals compute_normals(const ObjFile& file, Smoothing smoothing) {
   return NormalComputer(file, smoothing).compute();
 }
 
+VertexTangent transformed(const VertexTangent& tangent, const Transform& transform) {
+  const auto unit_of = [](Vec3 v) { return unit({v.x, v.y, v.z}); };
+  // Unit length first, so that the products do not overflow.
+  const Vec3 direction = unit_of(transform.direction(unit_of(tangent.direction)));
+  return {direction, transform.determinant() < 0 ? -tangent.handedness : tangent.handedness};
+}
+
 }  // namespace tessera::core

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes normals for meshes without them, from the faces around each vertex. Stateless; thread-safe.
+// Computes normals for meshes without them, from the faces around each vertex, and transforms tangents.
+// Stateless; thread-safe.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "core/geometry/surface.hpp"
+#include "core/math/transform.hpp"
 #include "core/math/vec3.hpp"
 #include "core/scene/loader/obj_reader.hpp"
 
@@ -39,5 +42,8 @@ struct AreaNormal {
 AreaNormal area_normal(Vec3 a, Vec3 b, Vec3 c);
 // Normalises; zero stays zero.
 Vec3 unit(const AreaNormal& v);
+
+// The tangent of a transformed mesh, of unit length or zero. A reflection changes its handedness.
+VertexTangent transformed(const VertexTangent& tangent, const Transform& transform);
 
 }  // namespace tessera::core

@@ -61,15 +61,15 @@ bool has_finite_axes(const Transform& t) {
 
 }  // namespace
 
-void EmitterConverter::add(const Plugin& emitter, bool hide) {
+void EmitterConverter::add(const Plugin& emitter) {
   emitter.ignore({"sampling_weight"});
   const std::string& type = emitter.type();
   if (type == "point") return add_point(emitter);
   if (type == "spot") return add_spot(emitter);
   if (type == "projector") return add_projector(emitter);
   if (type == "directional") return add_directional(emitter);
-  if (type == "constant") return set_constant(emitter, hide);
-  if (type == "envmap") return set_image(emitter, hide);
+  if (type == "constant") return set_constant(emitter);
+  if (type == "envmap") return set_image(emitter);
   emitter.warn("this emitter is not supported here; it is left out");
   emitter.ignore_all();
 }
@@ -183,15 +183,15 @@ void EmitterConverter::add_directional(const Plugin& emitter) {
   conversion_.builder.add_light(light, emitter.place());
 }
 
-void EmitterConverter::set_constant(const Plugin& emitter, bool hide) {
+void EmitterConverter::set_constant(const Plugin& emitter) {
   EnvironmentDescription environment;
   environment.radiance = {color(emitter, "radiance"), -1};
   if (is_black(environment.radiance.value)) emitter.warn("emits no light");
-  set_environment(emitter, std::move(environment), hide);
+  set_environment(emitter, std::move(environment));
 }
 
 // Mitsuba's maps have -z at their left edge; those here have it in the centre.
-void EmitterConverter::set_image(const Plugin& emitter, bool hide) {
+void EmitterConverter::set_image(const Plugin& emitter) {
   emitter.ignore({"mis_compensation"});
   const auto image = textures_.environment_image(emitter);
   const float scale = emitter.real_in("scale", 1, 0, kMaxScale);
@@ -206,15 +206,15 @@ void EmitterConverter::set_image(const Plugin& emitter, bool hide) {
   environment.radiance = {Rgb::gray(scale), conversion_.builder.add_texture(*image)};
   environment.rotation_degrees = 180;
   environment.orientation = rotation_of(to_world);
-  set_environment(emitter, std::move(environment), hide);
+  set_environment(emitter, std::move(environment));
 }
 
-void EmitterConverter::set_environment(const Plugin& emitter, EnvironmentDescription environment, bool hide) {
+void EmitterConverter::set_environment(const Plugin& emitter, EnvironmentDescription environment) {
   if (conversion_.builder.scene().environment) {
     emitter.warn("the scene has an environment already, which is kept");
     return;
   }
-  environment.visible_to_camera = !hide;
+  environment.visible_to_camera = !conversion_.hides_emitters;
   conversion_.builder.set_environment(std::move(environment));
 }
 

@@ -12,8 +12,7 @@ class EmitterConverter {
   EmitterConverter(Conversion& conversion, TextureConverter& textures)
       : conversion_(conversion), textures_(textures) {}
 
-  // `hide` hides environments from the camera.
-  void add(const Plugin& emitter, bool hide);
+  void add(const Plugin& emitter);
 
  private:
   Rgb color(const Plugin& emitter, std::string_view name);
@@ -26,9 +25,9 @@ class EmitterConverter {
   void add_spot(const Plugin& emitter);
   void add_projector(const Plugin& emitter);
   void add_directional(const Plugin& emitter);
-  void set_constant(const Plugin& emitter, bool hide);
-  void set_image(const Plugin& emitter, bool hide);
-  void set_environment(const Plugin& emitter, EnvironmentDescription environment, bool hide);
+  void set_constant(const Plugin& emitter);
+  void set_image(const Plugin& emitter);
+  void set_environment(const Plugin& emitter, EnvironmentDescription environment);
 
   Conversion& conversion_;
   TextureConverter& textures_;

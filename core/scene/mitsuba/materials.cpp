@@ -66,6 +66,16 @@ ScalarParameter in_unit(const Plugin& bsdf, std::string_view name, ScalarParamet
   return parameter;
 }
 
+// Mitsuba's masks do not weaken emission.
+void undo_opacity(const Plugin& emitter, Material& material) {
+  if (material.opacity.texture >= 0)
+    return emitter.warn("what it emits is multiplied by the opacity of the surface");
+  if (material.opacity.value > 0)
+    material.emission.value = material.emission.value / material.opacity.value;
+  else
+    material.model = Null{};
+}
+
 }  // namespace
 
 MaterialIndex MaterialConverter::material(const MaterialUse& use) {
@@ -95,6 +105,8 @@ void MaterialConverter::set_emission(const Plugin& emitter, const TextureSite& s
   }
   emitter.ignore({"sampling_weight"});
   material.two_sided_emission = false;
+  material.visible_to_camera = !conversion_.hides_emitters;
+  undo_opacity(emitter, material);
 }
 
 const Surface& MaterialConverter::surface(const Plugin& bsdf, const TextureSite& site, int depth) {

@@ -50,6 +50,7 @@ Result<ShapeMesh> read_ply_shape(Conversion& conversion, const Plugin& shape, co
   if (!bytes) return fail(bytes.error());
   auto file = read_ply(*bytes, path, conversion.builder.limits().triangles, MeshAttributes::kKeep);
   if (!file) return fail(file.error());
+  file->mesh.tangents = {};
   const bool reversed = shape.flag("flip_tex_coords", false);
   return ShapeMesh{std::move(file->mesh), std::move(file->attributes),
                    reversed ? UvLayout::kReversedV : UvLayout::kSame};

@@ -21,9 +21,10 @@ struct Conversion {
   Status status{};  // the first error that makes the whole scene fail: it exceeds a limit
   // Whether Mitsuba's integrator counts surfaces that light passes straight through for a limited depth.
   bool counts_passing = false;
-  bool emission_only = false;  // nothing that is scattered is seen
-  float shutter_open = 0;      // the time of frame 0; each unit of time has a frame
-  float shutter_frames = 0;    // how long the shutter is open
+  bool hides_emitters = false;  // from the camera
+  bool emission_only = false;   // nothing that is scattered is seen
+  float shutter_open = 0;       // the time of frame 0; each unit of time has a frame
+  float shutter_frames = 0;     // how long the shutter is open
 
   void check(const Status& done) {
     if (!done && status) status = done;

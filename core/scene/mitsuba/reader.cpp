@@ -34,16 +34,14 @@ void set_chosen_sensor(Conversion& conversion, const Plugin& scene) {
 
 void convert_scene(Conversion& conversion) {
   const Plugin scene(conversion, 0);
-  bool hide = false;
-  for (const Plugin& integrator : scene.children(Kind::kIntegrator))
-    hide = set_integrator(conversion, integrator);
+  for (const Plugin& integrator : scene.children(Kind::kIntegrator)) set_integrator(conversion, integrator);
   set_chosen_sensor(conversion, scene);
   TextureConverter textures(conversion);
   MaterialConverter materials(conversion, textures);
   MediumConverter media(conversion);
   ShapeConverter shapes(conversion, materials, media);
   EmitterConverter emitters(conversion, textures);
-  for (const Plugin& emitter : scene.children(Kind::kEmitter)) emitters.add(emitter, hide);
+  for (const Plugin& emitter : scene.children(Kind::kEmitter)) emitters.add(emitter);
   for (const Plugin& shape : scene.children(Kind::kShape)) {
     if (!conversion.status) return;
     shapes.add(shape);

@@ -181,12 +181,13 @@ void set_sensor(Conversion& conversion, const Plugin& sensor) {
     sensor.warn("'to_world' has no direction; a camera that sees the whole scene replaces the sensor");
 }
 
-bool set_integrator(Conversion& conversion, const Plugin& integrator) {
+void set_integrator(Conversion& conversion, const Plugin& integrator) {
   const std::string& type = integrator.type();
   if (type == "moment" || type == "aov") {
     integrator.ignore({"aovs"});
     const auto inner = integrator.first_child(Kind::kIntegrator);
-    return inner && set_integrator(conversion, *inner);
+    if (inner) set_integrator(conversion, *inner);
+    return;
   }
   if (type != "path" && type != "direct" && type != "volpath" && type != "volpathmis")
     integrator.warn("path tracing replaces this integrator");
@@ -200,9 +201,7 @@ bool set_integrator(Conversion& conversion, const Plugin& integrator) {
   conversion.builder.scene().settings.max_depth =
       depth < 0 ? 0 : static_cast<int>(std::clamp<std::int64_t>(depth - 1, 1, kMaxDepth));
   conversion.counts_passing = depth >= 0 && !type.starts_with("volpath");
-  const bool hide = integrator.flag("hide_emitters", false);
-  if (hide) integrator.warn("'hide_emitters' hides the environment only");
-  return hide;
+  conversion.hides_emitters = integrator.flag("hide_emitters", false);
 }
 
 }  // namespace tessera::core::mitsuba

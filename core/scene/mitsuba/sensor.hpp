@@ -13,7 +13,7 @@ void set_sensor(Conversion& conversion, const Plugin& sensor);
 // height.
 float half_width_of(const Plugin& plugin, float aspect);
 
-// Sets the path length. Returns whether emitters are hidden from the camera.
-bool set_integrator(Conversion& conversion, const Plugin& integrator);
+// Sets the path length, and whether emitters are hidden from the camera.
+void set_integrator(Conversion& conversion, const Plugin& integrator);
 
 }  // namespace tessera::core::mitsuba

@@ -11,6 +11,7 @@
 
 #include "core/math/elementary.hpp"
 #include "core/scene/loader/mesh_file.hpp"
+#include "core/scene/loader/vertex_normals.hpp"
 #include "core/scene/loader/wording.hpp"
 #include "core/scene/pbrt/curves.hpp"
 #include "core/scene/pbrt/files.hpp"
@@ -31,6 +32,7 @@ void give_default_uvs(MeshDescription& mesh) {
     for (const std::uint32_t v : triangle) {
       own.positions.push_back(mesh.positions[v]);
       if (!mesh.normals.empty()) own.normals.push_back(mesh.normals[v]);
+      if (!mesh.tangents.empty()) own.tangents.push_back(mesh.tangents[v]);
     }
     own.uvs.insert(own.uvs.end(), {{0, 0}, {1, 0}, {1, 1}});
     own.triangles.push_back({first, first + 1, first + 2});
@@ -53,7 +55,8 @@ void face_normals(MeshDescription& mesh) {
 }
 
 // To the space of the placement. The front of a triangle is the side of its vertex normals, or else that of
-// its order of corners in its own space, which a reflection keeps.
+// its order of corners in its own space, which a reflection keeps. pbrt's bitangents are right-handed in
+// render space.
 void move_to_placement(MeshDescription& mesh, const ShapePlacement& at) {
   const Transform transform = at.to_world.transform();
   for (Vec3& p : mesh.positions) p = transform.point(p);
@@ -63,6 +66,7 @@ void move_to_placement(MeshDescription& mesh, const ShapePlacement& at) {
     const float size = length(n);
     if (size > 0 && std::isfinite(size)) n = transform.normal(n / size) * sign;
   }
+  for (VertexTangent& tangent : mesh.tangents) tangent = {transformed(tangent, transform).direction};
   if (!mesh.normals.empty()) return face_normals(mesh);
   if (sign < 0)
     for (Corners& t : mesh.triangles) std::swap(t[1], t[2]);
@@ -263,7 +267,7 @@ Status Shapes::add_triangles(const Parameters& p, const ShapePlacement& at) {
   mesh.normals = p.vectors("N");
   mesh.uvs = uvs_of(p);
   mesh.triangles = triangles_of(p, mesh.positions.size());
-  if (p.has("S")) p.remark("S", "has tangents, which are not used: those of texture coordinates are");
+  for (const Vec3& tangent : p.vectors("S")) mesh.tangents.push_back({tangent});
   return add_mesh(std::move(mesh), p, at);
 }
 
@@ -287,6 +291,7 @@ Status Shapes::add_ply(const Parameters& p, const ShapePlacement& at) {
   }
   builder_.warnings().of(builder_.shown(*path)) = file->warnings;
   file->mesh.colors = {};
+  file->mesh.tangents = {};
   return add_mesh(std::move(file->mesh), p, at);
 }
 
@@ -361,6 +366,10 @@ Status Shapes::add_mesh(MeshDescription mesh, const Parameters& p, const ShapePl
   if (!mesh.normals.empty() && mesh.normals.size() != vertices) {
     report_.warn(p.place(), "normals are ignored: there is not one for each vertex");
     mesh.normals.clear();
+  }
+  if (!mesh.tangents.empty() && mesh.tangents.size() != vertices) {
+    report_.warn(p.place(), "tangents are ignored: there is not one for each vertex");
+    mesh.tangents.clear();
   }
   if (!has_valid_indices(mesh)) {
     report_.warn(p.place(), "triangles with a corner that is no vertex are left out");

@@ -17,10 +17,14 @@ bool Surfaces::has_sides(const Surface& surface) const {
          std::holds_alternative<Glass>(materials_.at(surface.material).model);
 }
 
-Result<std::optional<std::uint32_t>> Surfaces::material(const Surface& surface, double area,
-                                                        const Place& place) {
-  const bool is_null = std::holds_alternative<Null>(materials_.at(surface.material).model);
-  if (is_null && !surface.light && !surface.media.changes_medium()) return std::nullopt;
+Result<std::optional<std::uint32_t>> Surfaces::material(Surface surface, double area, const Place& place) {
+  if (std::holds_alternative<Null>(materials_.at(surface.material).model)) {
+    if (surface.light) {
+      report_.warn(place, "an emitter whose material is \"interface\" does not emit, as in pbrt");
+      surface.light = nullptr;
+    }
+    if (!surface.media.changes_medium()) return std::nullopt;
+  }
   const double power_area = surface.light && surface.light->power && area > 0 ? area : 0;
   const Key key(surface.material, surface.light.get(), surface.alpha.get(), surface.media.interior,
                 surface.media.exterior, power_area);
@@ -42,13 +46,12 @@ Result<Material> Surfaces::make(const Surface& surface, double area, const Place
     material.opacity = *opacity;
   }
   if (!surface.light) return material;
-  if (std::holds_alternative<Null>(material.model)) {
-    report_.warn(place, "an emitter without a surface is not supported; it has a black one");
-    material.model = Lambert{{Rgb{}, -1}};
-  }
   if (surface.alpha && material.opacity.texture < 0 && material.opacity.value <= 0) {
-    report_.warn(place, "an emitter that is invisible is not supported; it is visible");
+    report_.warn(place, "an emitter that is invisible is seen in mirrors and through glass");
+    material.model = Null{};
     material.opacity = 1;
+    material.media = {};
+    material.visible_to_camera = false;
   }
   material.emission = surface.light->radiance_of(area);
   material.two_sided_emission = surface.light->two_sided;

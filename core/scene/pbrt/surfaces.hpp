@@ -35,7 +35,7 @@ class Surfaces {
 
   // The index of the material in the scene. `area` is that of the shape, for lights of a given power. nullopt
   // for a surface that has no effect.
-  Result<std::optional<std::uint32_t>> material(const Surface& surface, double area, const Place& place);
+  Result<std::optional<std::uint32_t>> material(Surface surface, double area, const Place& place);
   // Whether it depends on texture coordinates.
   bool is_textured(const Surface& surface) const;
   // Whether it matters which of its sides is the front.

@@ -31,7 +31,7 @@ class PlyWriter {
 };
 
 std::string PlyWriter::write() {
-  constexpr std::size_t kMaxVertexBytes = 52, kMaxFaceBytes = 17, kHeaderBytes = 1024;
+  constexpr std::size_t kMaxVertexBytes = 68, kMaxFaceBytes = 17, kHeaderBytes = 1024;
   bytes_.reserve(kHeaderBytes + kMaxVertexBytes * mesh_.positions.size() +
                  kMaxFaceBytes * mesh_.triangles.size());
   header();
@@ -48,6 +48,7 @@ void PlyWriter::header() {
   bytes_ += fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", mesh_.positions.size());
   add_properties("float", {"x", "y", "z"});
   if (!mesh_.normals.empty()) add_properties("float", {"nx", "ny", "nz"});
+  if (!mesh_.tangents.empty()) add_properties("float", {"tx", "ty", "tz", "tw"});
   if (!mesh_.uvs.empty()) add_properties("float", {"u", "v"});
   if (!mesh_.second_uvs.empty()) add_properties("float", {"u1", "v1"});
   if (!mesh_.colors.empty()) add_properties("float", {"red", "green", "blue"});
@@ -68,6 +69,10 @@ void PlyWriter::vertex(std::size_t i) {
   };
   put_vector(mesh_.positions[i]);
   if (!mesh_.normals.empty()) put_vector(mesh_.normals[i]);
+  if (!mesh_.tangents.empty()) {
+    put_vector(mesh_.tangents[i].direction);
+    put(mesh_.tangents[i].handedness);
+  }
   for (const std::vector<Vec2>* uvs : {&mesh_.uvs, &mesh_.second_uvs}) {
     if (uvs->empty()) continue;
     put((*uvs)[i].x);

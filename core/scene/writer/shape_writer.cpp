@@ -51,9 +51,10 @@ Result<std::string> ShapeWriter::mesh_file_text(const MeshDescription& mesh,
   Track<std::string> files;
   MeshDescription at_step = mesh;
   at_step.steps = {};
-  for (const auto& [frame, positions, normals] : mesh.steps) {
+  for (const auto& [frame, positions, normals, tangents] : mesh.steps) {
     at_step.positions = positions;
     at_step.normals = normals;
+    at_step.tangents = tangents;
     auto path = write_file_("mesh", meshes_++, "ply", write_ply(at_step, materials));
     if (!path) return fail(path.error());
     files.frames.push_back(frame);

@@ -280,13 +280,15 @@ TEST(DeformingMeshes, HaveBoundsThatHoldWhereCoordinatesCancel) {
 
 TEST(DeformingMeshes, NeedSoundSteps) {
   const std::vector<Vec3> one{{0, 0, 0}}, two{{0, 0, 0}, {1, 0, 0}};
-  EXPECT_TRUE(are_sound({{0, one, one}, {1, one, one}}, 1, true));
-  EXPECT_FALSE(are_sound({{0, one, {}}}, 1, false)) << "one step";
-  EXPECT_FALSE(are_sound({{0, one, {}}, {0, one, {}}}, 1, false)) << "equal frames";
-  EXPECT_FALSE(are_sound({{0, one, {}}, {std::nanf(""), one, {}}}, 1, false));
-  EXPECT_FALSE(are_sound({{0, one, {}}, {1, two, {}}}, 1, false)) << "another count";
-  EXPECT_FALSE(are_sound({{0, one, one}, {1, one, {}}}, 1, true)) << "without normals";
-  EXPECT_FALSE(are_sound({{0, one, one}, {1, one, one}}, 1, false)) << "with normals";
+  EXPECT_TRUE(are_sound({{0, one, one}, {1, one, one}}, 1, {.normals = true}));
+  EXPECT_FALSE(are_sound({{0, one, {}}}, 1, {})) << "one step";
+  EXPECT_FALSE(are_sound({{0, one, {}}, {0, one, {}}}, 1, {})) << "equal frames";
+  EXPECT_FALSE(are_sound({{0, one, {}}, {std::nanf(""), one, {}}}, 1, {}));
+  EXPECT_FALSE(are_sound({{0, one, {}}, {1, two, {}}}, 1, {})) << "another count";
+  EXPECT_FALSE(are_sound({{0, one, one}, {1, one, {}}}, 1, {.normals = true})) << "without normals";
+  EXPECT_FALSE(are_sound({{0, one, one}, {1, one, one}}, 1, {})) << "with normals";
+  EXPECT_FALSE(are_sound({{0, one, {}, {{}}}, {1, one, {}, {}}}, 1, {.tangents = true}))
+      << "without tangents";
 }
 
 }  // namespace

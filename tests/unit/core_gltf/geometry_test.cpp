@@ -235,6 +235,57 @@ TEST(GltfGeometry, AppliesSkins) {
   EXPECT_THAT(mesh_of(*scene).positions, ElementsAre(Vec3{0, 0, 1}, Vec3{101, 0, 3}, Vec3{50, 1, 2}));
 }
 
+// A triangle with normals along z and tangents along x, whose material follows them or not.
+GltfFile with_tangents(bool followed) {
+  GltfFile file;
+  file.json["materials"].push_back(nlohmann::json::object());
+  if (followed)
+    file.json["materials"][0]["extensions"]["KHR_materials_anisotropy"] = {{"anisotropyStrength", 0.5}};
+  file.triangle(0);
+  auto& attributes = file.json["meshes"][0]["primitives"][0]["attributes"];
+  attributes["NORMAL"] = file.floats("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1});
+  attributes["TANGENT"] = file.floats("VEC4", {1, 0, 0, -1, 1, 0, 0, -1, 1, 0, 0, -1});
+  return file;
+}
+
+VertexTangent first_tangent(const GltfFile& file) {
+  const auto scene = load_gltf(file.text());
+  EXPECT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(warnings_of(*scene), "");
+  return mesh_of(*scene).tangents.at(0);
+}
+
+TEST(GltfGeometry, ReadsTangentsThatMaterialsFollow) {
+  GltfFile file = with_tangents(true);
+  file.node({{"mesh", 0}});
+  EXPECT_EQ(first_tangent(file), (VertexTangent{{1, 0, 0}, -1}));
+  GltfFile plain = with_tangents(false);
+  plain.node({{"mesh", 0}});
+  EXPECT_TRUE(mesh_of(*load_gltf(plain.text())).tangents.empty());
+}
+
+TEST(GltfGeometry, MovesTangentsWithNodesMorphTargetsAndSkins) {
+  GltfFile turned = with_tangents(true);
+  turned.node({{"mesh", 0}, {"matrix", {0, 2, 0, 0, 2, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1}}});  // a reflection
+  EXPECT_EQ(first_tangent(turned), (VertexTangent{{0, 1, 0}, 1}));
+
+  GltfFile morphed = with_tangents(true);
+  auto& mesh = morphed.json["meshes"][0];
+  mesh["primitives"][0]["targets"] = {{{"TANGENT", morphed.floats("VEC3", {-1, 2, 0, 0, 0, 0, 0, 0, 0})}}};
+  mesh["weights"] = {0.5};
+  morphed.node({{"mesh", 0}});
+  EXPECT_EQ(first_tangent(morphed), (VertexTangent{{0.5f, 1, 0}, -1}));
+
+  GltfFile skinned = with_tangents(true);
+  auto& attributes = skinned.json["meshes"][0]["primitives"][0]["attributes"];
+  attributes["JOINTS_0"] = skinned.accessor(skinned.view(std::string(12, '\0')), kUnsignedByte, "VEC4", 3);
+  attributes["WEIGHTS_0"] = skinned.floats("VEC4", {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  skinned.json["skins"] = {{{"joints", {1}}}};
+  skinned.node({{"mesh", 0}, {"skin", 0}});
+  skinned.node({{"matrix", {0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 0, 1}}});  // turns x to z
+  EXPECT_EQ(first_tangent(skinned), (VertexTangent{{0, 0, 1}, -1}));
+}
+
 TEST(GltfGeometry, StartsTheFirstAnimation) {
   GltfFile file;
   file.node({{"mesh", file.triangle()}, {"translation", {9, 9, 9}}});

@@ -133,7 +133,7 @@ TEST(GltfAttributes, ThatAreIgnoredAreTold) {
         json{{"extensions", {{"KHR_materials_anisotropy", {{"anisotropyStrength", 0.5}}}}}},
         json{{"extensions", {{"KHR_materials_clearcoat", {{"clearcoatNormalTexture", {{"index", 0}}}}}}}}})
     EXPECT_THAT(warnings_with_attributes(material, {"TANGENT"}),
-                HasSubstr("the tangents of the mesh are not used"));
+                HasSubstr("the tangents of a mesh without normals are ignored, as glTF demands"));
 }
 
 TEST(GltfAttributes, ThicknessTexturesAreTold) {

@@ -127,6 +127,16 @@ TEST(Ply, ReadsSecondTextureCoordinatesBesideFirstOnes) {
   EXPECT_THAT(alone.warnings.messages("m.ply").at(0), HasSubstr("the property 'u1' of 'vertex' is not used"));
 }
 
+TEST(Ply, ReadsTangentsAndTheirHandedness) {
+  const std::string direction = "property float tx\nproperty float ty\nproperty float tz\n";
+  EXPECT_EQ(ply(quad_with(direction, "0.5 2 1")).mesh.tangents.at(3), (VertexTangent{{0.5f, 2, 1}, 1}));
+  EXPECT_EQ(ply(quad_with(direction + "property float tw\n", "0.5 2 1 -1")).mesh.tangents.at(0),
+            (VertexTangent{{0.5f, 2, 1}, -1}));
+  const MeshFile alone = ply(quad_with("property float tw\n", "-1"));
+  EXPECT_THAT(alone.mesh.tangents, IsEmpty());
+  EXPECT_THAT(alone.warnings.messages("m.ply").at(0), HasSubstr("the property 'tw' of 'vertex' is not used"));
+}
+
 TEST(Ply, ReadsByteColorsAsSrgbAndFloatsAsLinear) {
   const MeshFile bytes =
       ply(quad_with("property uchar red\nproperty uchar green\nproperty uchar blue\n", "255 0 188"));

@@ -69,6 +69,25 @@ TEST_F(SceneBuilderTest, DecodesImagesInMemory) {
   EXPECT_THAT(broken.error().message, HasSubstr("'s.xyz, image 1'"));
 }
 
+// So that what is written is what is rendered.
+TEST_F(SceneBuilderTest, KeepsOnlyTheKeysThatAModelHas) {
+  const auto added = [&](MaterialModel model) {
+    return builder_.material(builder_.add_material({.name = "m",
+                                                    .model = std::move(model),
+                                                    .emission = Rgb::gray(2),
+                                                    .two_sided = false,
+                                                    .shading_normals = ShadingNormals::kPlain,
+                                                    .media = {0, 1}}));
+  };
+  EXPECT_EQ(added(Lambert{}).shading_normals, ShadingNormals::kPlain);
+  const Material open = added(Null{});
+  EXPECT_EQ(open.shading_normals, ShadingNormals::kConserving);
+  EXPECT_TRUE(open.two_sided);
+  EXPECT_EQ(open.emission.value, Rgb::gray(2));
+  EXPECT_EQ(open.media.exterior, 1);
+  EXPECT_EQ(open.name, "m");
+}
+
 TEST_F(SceneBuilderTest, RepairsMeshesAndCountsWhatItChanges) {
   MeshDescription mesh = triangle();
   mesh.triangles.push_back({0, 1, 9});

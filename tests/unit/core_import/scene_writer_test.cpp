@@ -127,6 +127,28 @@ TEST(SceneWriter, WritesSecondTextureCoordinates) {
   expect_round_trip(scene);
 }
 
+TEST(SceneWriter, WritesTangents) {
+  const auto turned = [](const std::string& tangent) {
+    const auto vertex = [&](const std::string& p) { return p + " 0 0 1 " + tangent + "\n"; };
+    return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+           "property float nx\nproperty float ny\nproperty float nz\nproperty float tx\nproperty float ty\n"
+           "property float tz\nproperty float tw\nelement face 1\nproperty list uchar int vertex_indices\n"
+           "end_header\n" +
+           vertex("0 0 0") + vertex("1 0 0") + vertex("0 1 0") + "3 0 1 2\n";
+  };
+  const SceneDescription scene = loaded(
+      R"({
+    "camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]},
+    "materials": {"m": {"type": "conductor", "metal": "gold", "roughness": 0.3, "anisotropy": 0.5}},
+    "shapes": [{"type": "mesh", "file": "a.ply", "material": "m", "transform": [{"scale": [1, -2, 1]}]},
+               {"type": "mesh", "material": "m",
+                "file": {"keyframes": [{"frame": 0, "value": "a.ply"}, {"frame": 1, "value": "b.ply"}]}}]})",
+      {{"a.ply", turned("0 3 0 1")}, {"b.ply", turned("1 0 0 1")}});
+  EXPECT_EQ(std::get<MeshDescription>(scene.shapes[0]).tangents.at(2), (VertexTangent{{0, -1, 0}, -1}));
+  EXPECT_EQ(std::get<MeshDescription>(scene.shapes[1]).steps.at(1).tangents.size(), 3u);
+  expect_round_trip(scene);
+}
+
 TEST(SceneWriter, WritesAllPartsOfAScene) {
   const std::string scene = R"({
     "render": {"width": 33, "height": 20, "spp": 5, "seed": 18446744073709551615, "integrator": "nee",

@@ -77,6 +77,17 @@ TEST(NormalMap, FollowsMirroredAndTurnedCoordinates) {
   expect_near(bent(turned, 0, kLean), kTowardsX, 2e-3f);
 }
 
+// The tangent is y, so that the bitangent is -x or x.
+TEST(NormalMap, FollowsTangentsOfVertices) {
+  MeshDescription mesh = triangle({0, 0}, {1, 0}, {0, 1});
+  for (const float handedness : {1.0f, -1.0f}) {
+    mesh.tangents.assign(3, {{0, 2, 0}, handedness});
+    expect_near(shaded_normal(mesh, normal_texture(kLean, 0), kFromAbove), kTowardsY, 2e-3f);
+    expect_near(shaded_normal(mesh, normal_texture(0, kLean), kFromAbove),
+                {-handedness * kTowardsX.x, 0, kTowardsX.z}, 2e-3f);
+  }
+}
+
 TEST(NormalMap, FollowsImagesMirroredByTheirScale) {
   Texture texture = normal_texture(kLean, 0);
   texture.scale = {-3, 1};

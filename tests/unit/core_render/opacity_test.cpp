@@ -40,6 +40,69 @@ Texture texture_of(int width, int height, const std::vector<float>& values) {
   return {.image = std::make_shared<TextureImage>(width, height, rgb), .wrap = Wrap::kClamp};
 }
 
+// Cards one behind another that emit 2, 3 (seen through) and 4 (hidden).
+SceneMaker see_through_and_hidden() {
+  SceneMaker maker(kTowardsOrigin);
+  maker.add(card(-1, maker.material(test::lambert(0), Rgb::gray(2))));
+  maker.add(card(0, maker.material(Null{}, Rgb::gray(3))));
+  const std::uint32_t hidden = maker.material(test::lambert(0), Rgb::gray(4));
+  maker.description().materials[hidden].visible_to_camera = false;
+  maker.add(card(1, hidden));
+  return maker;
+}
+
+TEST(EmissionInPassing, AddsToWhatIsBehindAndHiddenSurfacesAreNotSeen) {
+  for (const test::Strategy& strategy : test::kStrategies)
+    EXPECT_NEAR(mean_radiance(see_through_and_hidden().build(), {.integrator = strategy.integrator}, 4).value,
+                5, 1e-5)
+        << strategy.name;
+  EXPECT_NEAR(mean_radiance(see_through_and_hidden().build(), {.integrator = Integrator::kWhitted}, 4).value,
+              5, 1e-5);
+}
+
+// The ball emits on both sides of its surface, which a ray meets twice, and absorbs.
+TEST(EmissionInPassing, IsDimmedByMedia) {
+  SceneMaker maker(kTowardsOrigin);
+  maker.add(card(-1, maker.material(test::lambert(0), Rgb::gray(2))));
+  maker.description().media = {{.name = "smoke", .sigma_a = Rgb::gray(0.9f)}};
+  const std::uint32_t ball = maker.material(Null{}, Rgb::gray(3));
+  maker.description().materials[ball].media = {0, kNoMedium};
+  maker.add(SphereDescription{{0, 0, 0}, 0.5f, ball});
+  const double left = std::exp(-0.9);
+  EXPECT_NEAR(mean_radiance(maker.build(), {}, 4).value, 3 + left * (3 + 2), 0.03);
+}
+
+// A floor below a lamp, in a room that reflects, seen from the side. Light samples and what paths find of a
+// lamp that they pass are weighed against each other.
+double floor_below(const MaterialModel& lamp, bool visible, Integrator integrator, double& error) {
+  SceneMaker maker({.position = {0, -3, 0.5f}, .look_at = {0, 0, 0}, .vertical_fov_degrees = 2});
+  maker.add(card(0, maker.material(test::lambert(0.5f)), 4));
+  maker.add(SphereDescription{{0, 0, 0}, 20, maker.material(test::lambert(0.5f))});
+  const std::uint32_t material = maker.material(lamp, Rgb::gray(3));
+  maker.description().materials[material].visible_to_camera = visible;
+  maker.add(SphereDescription{{0, 0, 1.5f}, 0.7f, material});
+  const auto mean = mean_radiance(maker.build(), {.integrator = integrator, .max_depth = 3}, 4000);
+  error = mean.standard_error;
+  return mean.value;
+}
+
+TEST(EmissionInPassing, LightsTheSameByAllStrategies) {
+  double naive_error = 0, error = 0;
+  const double expected = floor_below(Null{}, true, Integrator::kNaive, naive_error);
+  EXPECT_GT(expected, 0.05);
+  for (const Integrator integrator : {Integrator::kNee, Integrator::kMis}) {
+    const double value = floor_below(Null{}, true, integrator, error);
+    EXPECT_NEAR(value, expected, 5 * (error + naive_error));
+  }
+}
+
+TEST(HiddenFromTheCamera, LightsAndReflectsAsIfItWereVisible) {
+  double error = 0;
+  for (const Integrator integrator : {Integrator::kNaive, Integrator::kMis})
+    EXPECT_NEAR(floor_below(test::lambert(0.5f), false, integrator, error),
+                floor_below(test::lambert(0.5f), true, integrator, error), 1e-6);
+}
+
 // In front of what emits 2, a black card hides its opacity's share.
 TEST(Opacity, HidesItsShareOfWhatIsBehind) {
   for (const float opacity : {0.0f, 0.25f, 0.5f, 1.0f}) {

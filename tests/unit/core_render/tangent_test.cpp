@@ -103,6 +103,31 @@ TEST(Tangent, FollowsMirroredImagesAndCoordinates) {
   EXPECT_NEAR(longest_at(by_angle, kRayFromZ, direction_texture(0), mesh), 150, 1);
 }
 
+// Texture coordinates along x and y, and a tangent of 30 degrees.
+MeshDescription with_tangents(float handedness) {
+  const Vec2 d = turned({1, 0}, kFromU);
+  return {.positions = {{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}},
+          .normals = {},
+          .uvs = {{0, 0}, {1, 0}, {0, 1}},
+          .triangles = {{0, 1, 2}},
+          .triangle_materials = {0},
+          .tangents = std::vector<VertexTangent>(3, {{d.x, d.y, 0}, handedness})};
+}
+
+TEST(Tangent, IsThatOfVerticesWhereAMeshHasThem) {
+  for (const auto& [name, model] : models_along({}))
+    EXPECT_NEAR(longest_at(model, kRayFromZ, direction_texture(0), with_tangents(1)), 30, 1) << name;
+  for (const auto& [name, model] : models_along({{}, kFromU})) {
+    EXPECT_NEAR(longest_at(model, kRayFromZ, direction_texture(0), with_tangents(1)), 60, 1) << name;
+    EXPECT_EQ(longest_at(model, kRayFromZ, direction_texture(0), with_tangents(-1)) % 180, 0) << name;
+  }
+  // The transform of an image moves what it shows, not the frame.
+  Texture mirrored = direction_texture(kFromU);
+  mirrored.scale = {-3, 1};
+  for (const auto& [name, model] : models_along({{0}}))
+    EXPECT_NEAR(longest_at(model, kRayFromZ, mirrored, with_tangents(1)), 60, 1) << name;
+}
+
 TEST(Tangent, OfSurfacesWithoutCoordinatesIsNotTurned) {
   const MeshDescription mesh{.positions = {{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}},
                              .normals = {},

@@ -76,7 +76,8 @@ TEST(SceneMistakes, InMaterials) {
            "materials.m.emission_sides: unknown value 'back'; known are 'both', 'front'"},
           {"\"m\": {\"type\": \"lambert\", \"ior\": 1.5}",
            "materials.m: unknown key 'ior'; known are 'type', 'albedo', 'emission', 'emission_sides', "
-           "'group', 'sampling', 'normal_map', 'bump', 'opacity', 'sides', 'shading_normals', "
+           "'group', 'visible_to_camera', 'sampling', 'normal_map', 'bump', 'opacity', 'sides', "
+           "'shading_normals', "
            "'interior_medium', 'exterior_medium'"},
           {"\"m\": {\"type\": \"mirror\", \"reflectance\": 1.1}",
            "materials.m.reflectance: must be between 0 and 1, got 1.1"},

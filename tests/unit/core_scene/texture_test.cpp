@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/image/encode.hpp"
 #include "core/image/srgb.hpp"
 #include "core/scene/loader/loader.hpp"
 #include "core/textures/image_decoder.hpp"
@@ -20,6 +21,8 @@
 
 namespace tessera::core {
 namespace {
+
+using namespace std::string_literals;
 
 using test::hdr;
 using test::layered_exr;
@@ -43,6 +46,45 @@ TEST(TextureDecoding, LayersAndChannelsOfOpenExrAreSelectable) {
   EXPECT_EQ(texel("Tint", TextureChannel::kGreen), Rgb::gray(0.75f));
   EXPECT_EQ(texel("Depth.Z"), Rgb::gray(0.5f));
   EXPECT_FALSE(decode_texture_image(bytes, ColorSpace::kLinear, TextureChannel::kColor, nullptr, "Mist"));
+}
+
+// A pixel of (1, 0, 0), with chromaticities in the place of a text of equal length.
+std::string exr_with_primaries(const std::array<float, 8>& primaries) {
+  static constexpr std::array kRed{1.0f, 0.0f, 0.0f};
+  const std::string name(22, 'n'), text(32, '.'), stand_in = name + "\0string\0 \0\0\0"s + text;
+  const std::string attribute =
+      "chromaticities\0chromaticities\0 \0\0\0"s +
+      std::string(reinterpret_cast<const char*>(primaries.data()), sizeof(primaries));
+  ChannelRows source{
+      .width = 1, .height = 1, .channels = {"R", "G", "B"}, .row = {}, .attributes = {{name, text}}};
+  source.row = [](int) -> Result<const float*> { return kRed.data(); };
+  std::string bytes = *encode_channels(source, ImageFormat::kExr, {});
+  EXPECT_EQ(stand_in.size(), attribute.size());
+  return bytes.replace(bytes.find(stand_in), stand_in.size(), attribute);
+}
+
+TEST(TextureDecoding, PrimariesOfOpenExrAreConverted) {
+  const std::string rec2020 =
+      exr_with_primaries({0.708f, 0.292f, 0.17f, 0.797f, 0.131f, 0.046f, 0.3127f, 0.329f});
+  std::vector<std::string> warnings;
+  const auto read = [&](const std::string& bytes, ColorSpace color_space) {
+    return decode_texture_image(bytes, color_space, TextureChannel::kColor, &warnings)->texel(0, 0);
+  };
+  const Rgb red = read(rec2020, ColorSpace::kSrgb);
+  EXPECT_NEAR(red.r, 1.6604910f, 1e-3f);
+  EXPECT_EQ(red.g, 0);
+  EXPECT_EQ(warnings, std::vector<std::string>());
+  EXPECT_EQ(read(rec2020, ColorSpace::kLinear), (Rgb{1, 0, 0}));
+  EXPECT_EQ(
+      warnings,
+      (std::vector<std::string>{"has other primaries than sRGB, which are not used: it is read as data"}));
+  const std::string aces = exr_with_primaries({0.7347f, 0.2653f, 0, 1, 0.0001f, -0.077f, 0.32168f, 0.33767f});
+  EXPECT_NEAR(read(aces, ColorSpace::kSrgb).r, 2.5216862f, 3e-3f);
+  const std::string same = exr_with_primaries({0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f});
+  EXPECT_EQ(read(same, ColorSpace::kSrgb), (Rgb{1, 0, 0}));
+  const std::string flat = exr_with_primaries({0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f});
+  EXPECT_EQ(read(flat, ColorSpace::kSrgb), (Rgb{1, 0, 0}));
+  EXPECT_EQ(warnings.size(), 1u);
 }
 
 // A chunk gAMA of 1.0 behind the header.

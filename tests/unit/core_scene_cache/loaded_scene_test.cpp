@@ -85,6 +85,18 @@ TEST_F(LoadedScene, KeepsSecondTextureCoordinates) {
   EXPECT_EQ(read->textures.at(0).uv_set, UvSet::kSecond);
 }
 
+TEST_F(LoadedScene, KeepsTangents) {
+  SceneDescription scene = fingerprint_scene();
+  MeshDescription& mesh = mesh_of(scene);
+  mesh.tangents.assign(mesh.positions.size(), {{0.5f, 1, 2}, -1});
+  const auto read = passed(scene);
+  ASSERT_TRUE(read) << read.error().message;
+  SceneDescription copy = *read;
+  EXPECT_EQ(mesh_of(copy).tangents, mesh.tangents);
+  mesh.tangents[0].direction.x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(passed(scene));
+}
+
 TEST_F(LoadedScene, KeepsMedia) {
   SceneDescription scene = fingerprint_scene();
   scene.grids = {{.size = {2, 1, 1}, .values = {1, 2}, .border = GridBorder::kZero}};

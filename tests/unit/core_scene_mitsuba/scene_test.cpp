@@ -89,6 +89,37 @@ TEST(MitsubaIntegrator, DepthCountsTheCamerasSegment) {
   EXPECT_EQ(depth("direct", ""), 1);
 }
 
+TEST(MitsubaIntegrator, HidesEmittersFromTheCamera) {
+  for (const bool hides : {false, true}) {
+    const SceneDescription scene = scene_of(
+        std::string("<integrator type='path'><boolean name='hide_emitters' value='") +
+        (hides ? "true" : "false") +
+        "'/></integrator><emitter type='constant'/><shape type='sphere'><emitter type='area'/></shape>");
+    EXPECT_EQ(warnings_of(scene), "");
+    EXPECT_EQ(scene.environment->visible_to_camera, !hides);
+    int hidden = 0;
+    for (const Material& material : scene.materials) hidden += material.visible_to_camera ? 0 : 1;
+    EXPECT_EQ(hidden, hides ? 1 : 0);
+  }
+}
+
+TEST(MitsubaEmitter, MayHaveNoSurface) {
+  const Material material = material_of("<bsdf type='null'/><emitter type='area'/>");
+  EXPECT_TRUE(std::holds_alternative<Null>(material.model));
+  EXPECT_EQ(material.emission.value, Rgb::gray(1));
+}
+
+TEST(MitsubaEmitter, MasksDoNotWeakenIt) {
+  const auto masked = [](const std::string& opacity) {
+    return material_of("<bsdf type='mask'>" + opacity +
+                       "<bsdf type='diffuse'/></bsdf><emitter type='area'/>");
+  };
+  const Material half = masked("<float name='opacity' value='0.5'/>");
+  EXPECT_EQ(half.opacity.value, 0.5f);
+  EXPECT_EQ(half.emission.value, Rgb::gray(2));
+  EXPECT_TRUE(std::holds_alternative<Null>(masked("<float name='opacity' value='0'/>").model));
+}
+
 TEST(MitsubaEmitter, LightsWithoutExtent) {
   const SceneDescription scene = scene_of(
       "<emitter type=\"point\"><transform name=\"to_world\"><translate z=\"2\"/></transform>"

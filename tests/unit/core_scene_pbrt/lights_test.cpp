@@ -176,5 +176,22 @@ TEST(PbrtLights, ApproximationsAreTold) {
   EXPECT_THAT(warnings, HasSubstr("scene.pbrt:5: the portal"));
 }
 
+// pbrt's lights without a material do not emit, and those whose alpha is 0 are not seen.
+TEST(PbrtLights, WithoutASurface) {
+  const SceneDescription open = pbrt_world(
+      "AttributeBegin AreaLightSource \"diffuse\" Material \"interface\" Shape \"sphere\" "
+      "AttributeEnd\n" +
+      kPbrtTriangle);
+  EXPECT_THAT(warnings_of(open),
+              HasSubstr("an emitter whose material is \"interface\" does not emit, as in pbrt"));
+  EXPECT_EQ(open.shapes.size(), 1u);
+  const SceneDescription hidden =
+      pbrt_world("AreaLightSource \"diffuse\" Shape \"sphere\" \"float alpha\" 0");
+  EXPECT_THAT(warnings_of(hidden), HasSubstr("an emitter that is invisible is seen in mirrors"));
+  ASSERT_EQ(hidden.materials.size(), 1u);
+  EXPECT_TRUE(std::holds_alternative<Null>(hidden.materials[0].model));
+  EXPECT_FALSE(hidden.materials[0].visible_to_camera);
+}
+
 }  // namespace
 }  // namespace tessera::core::test

@@ -198,9 +198,8 @@ TEST(PbrtReplacedValues, OfShapesAndMedia) {
        "2: the parameter 'indices' of the shape 'trianglemesh' does not have 3 values each; the last ones "
        "are "
        "ignored"},
-      {R"(Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] "vector3 S" [1 0 0 1 0 0 1 0 0])",
-       "2: the parameter 'S' of the shape 'trianglemesh' has tangents, which are not used: those of texture "
-       "coordinates are"},
+      {R"(Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] "vector3 S" [1 0 0])",
+       "2: tangents are ignored: there is not one for each vertex"},
       {R"(Shape "bilinearmesh" "point3 P" [0 0 0 1 0 0 0 1 0 1 1 0] "normal N" [0 0 1])",
        "2: the parameter 'N' of the shape 'bilinearmesh' has not one value for each vertex; it is ignored"},
       {R"(Shape "curve" "point3 P" [0 0 0 1 0 0 2 0 0 3 0 0] "string basis" "hermite")",

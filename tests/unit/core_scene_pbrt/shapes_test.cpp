@@ -56,6 +56,14 @@ TEST(PbrtShapes, NormalsSayWhichSideIsTheFront) {
   EXPECT_EQ(reflected.normals.at(0), (Vec3{0, 0, 1}));
 }
 
+// pbrt's bitangent is the normal x the tangent, also under reflections.
+TEST(PbrtShapes, HaveTangents) {
+  const std::string triangle =
+      "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"vector3 S\" [0 2 0 0 2 0 0 2 0]\n";
+  EXPECT_EQ(mesh_of(triangle).tangents.at(2), (VertexTangent{{0, 1, 0}, 1}));
+  EXPECT_EQ(mesh_of("Scale 1 -1 1 " + triangle).tangents.at(2), (VertexTangent{{0, -1, 0}, 1}));
+}
+
 TEST(PbrtShapes, MeshesOfPlyFiles) {
   const std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
