@@ -11,4 +11,8 @@ namespace tessera::client {
 // scene, such as "cornell" or "glass_and_water/fresnel"; else `name` as it is.
 std::string find_scene(const std::string& name);
 
+// "there is no scene 'corell'; did you mean 'cornell'?" if `name` is neither a file nor an example scene, but
+// similar to the name of one, or that of a group of them. Otherwise empty. A check of CLI11.
+std::string suggest_example(const std::string& name);
+
 }  // namespace tessera::client

@@ -194,6 +194,8 @@ void complete_render_options(RenderOptions& options) {
   if (scene.empty()) scene = find_scene(take_argument(options.tev));
   if (scene.empty() && options.resume) scene = find_scene(std::exchange(*options.resume, ""));
   if (scene.empty()) throw CLI::RequiredError("SCENE");
+  if (const std::string mistake = why_no_scene(scene); !mistake.empty())
+    throw CLI::ValidationError("SCENE", mistake);
   if (options.scene.output_paths.empty() && !options.sample) throw CLI::RequiredError("-o FILE");
   check_frame_flags(options);
   if (const std::string address = take_argument(options.tev); !address.empty())

@@ -126,13 +126,6 @@ core::ToneCurve parse_tone_curve(const std::string& text) {
   return *curve;
 }
 
-// Most likely -o is missing before it. Empty for other files.
-std::string why_no_scene(const std::string& path) {
-  if (!core::image_format_from_path(path)) return "";
-  return fmt::format("{} is an image, and not a scene: give the scene file, and images to write by -o",
-                     core::in_quotes(path));
-}
-
 }  // namespace
 
 void add_scene_argument(CLI::App& command, SceneFlags& flags) {
@@ -145,6 +138,12 @@ void add_scene_argument(CLI::App& command, SceneFlags& flags) {
       ->required()
       ->transform(find_scene)
       ->check(why_no_scene);
+}
+
+std::string why_no_scene(const std::string& path) {
+  if (!core::image_format_from_path(path)) return suggest_example(path);
+  return fmt::format("{} is an image, and not a scene: give the scene file, and images to write by -o",
+                     core::in_quotes(path));
 }
 
 void add_output_option(CLI::App& command, SceneFlags& flags) {
@@ -197,9 +196,8 @@ void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
       .add_option_function<std::string>(
           "--clamp-indirect",
           [&overrides](const std::string& text) { overrides.clamp_indirect = parse_clamp(text); },
-          "Limit what light that was scattered more than once adds\n"
-          "to a sample: less noise in fewer samples, but darker.\n"
-          "0 sets no limit")
+          "Limit what light that was scattered more than once adds to a sample: less noise in fewer samples, "
+          "but darker. 0 sets no limit")
       ->type_name("RADIANCE");
   command
       .add_option_function<std::string>(

@@ -25,6 +25,10 @@ struct SceneFlags {
 void add_scene_argument(CLI::App& command, SceneFlags& flags);
 void add_output_option(CLI::App& command, SceneFlags& flags);
 
+// What is wrong with SCENE as far as its name tells: it is an image's, most likely because -o is missing
+// before it, or a misspelt one of an example scene. Empty for others.
+std::string why_no_scene(const std::string& path);
+
 // Adds --spp, --size, --crop, --integrator, --heuristic, --clamp-indirect, --seed and --layers. A bad value
 // ends parsing with a sentence that names the flag.
 void add_override_options(CLI::App& command, core::RenderOverrides& overrides);
@@ -40,8 +44,8 @@ void add_display_options(CLI::App& command, core::DisplayOverrides& overrides);
 // flag. Whether they lie within the image is checked when its size is known.
 core::PixelRect parse_rect(const std::string& flag, const std::string& text);
 
-// What a scene is called, on one line: its file's name without the ending, or its folder's if the file is just
-// "scene".
+// What a scene is called, on one line: its file's name without the ending, or its folder's if the file is
+// just "scene".
 std::string scene_name(const std::string& path);
 
 // An integer from `least` to `most`; otherwise throws an exception of CLI11 that names the flag.

@@ -97,7 +97,8 @@ core::Status adopt_passed_sockets(server::Options& options, std::vector<base::Fd
 // Null if it is off, or if nobody has asked for it and its port is taken. The server must outlive it.
 core::Result<std::unique_ptr<http_api::Api>> serve_page(const server::Options& options, rpc::Server& server) {
   if (options.http == "off") return nullptr;
-  auto page = http_api::Api::start(server.services(), {options.http, options.http_socket, options.security});
+  auto page = http_api::Api::start(server.services(), {options.http, options.http_socket, options.security,
+                                                       options.state / store::kSessionsName});
   if (page || options.http_is_given) return page;
   if (page.error().code != core::ErrorCode::kUnavailable) return page;
   spdlog::warn("there is no page: {} (--http HOST:PORT chooses another port, --http off silences this)",

@@ -123,8 +123,10 @@ int run_demo(const DemoOptions& options) {
 void add_demo_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("demo", "Run a farm in this process for a first look");
   const auto options = std::make_shared<DemoOptions>();
-  command->add_option("SCENE", options->scene,
-                      "Scene file (JSON), or the name of an example scene [default: still_life]");
+  command
+      ->add_option("SCENE", options->scene,
+                   "Scene file (JSON), or the name of an example scene [default: still_life]")
+      ->check(suggest_example);
   command->add_option("--http", options->http, "Address of the page; port 0 for a free one")
       ->type_name("HOST:PORT")
       ->capture_default_str();

@@ -32,23 +32,25 @@ std::string quarantine_table(const v1::ListQuarantineResponse& quarantine, doubl
   return table;
 }
 
-std::string server_description(const v1::GetServerInfoResponse& info, const std::string& address) {
+std::string server_description(const v1::GetServerInfoResponse& info, const std::string& address,
+                               const TextStyle& style) {
   const auto& limits = info.limits();
   const auto or_none = [](const std::string& text) { return text.empty() ? std::string("-") : text; };
-  std::vector<std::vector<std::string>> rows{
-      {"release", info.version()},
-      {"started", TimeUtil::ToString(info.started_at())},
-      {"fingerprints", fmt::format("{}", fmt::join(info.determinism_fingerprints(), " "))},
-      {"principal", or_none(info.principal())},
-      {"role", or_none(info.role())},
-      {"features", fmt::format("{}", fmt::join(info.features(), " "))},
-      {"max message", fmt::format("{} bytes", limits.message_bytes())},
-      {"max file", fmt::format("{} bytes", limits.blob_bytes())},
-      {"max scene", fmt::format("{} bytes in {} files", limits.bundle_bytes(), limits.bundle_files())},
-      {"max image", fmt::format("{} pixels", limits.image_pixels())},
-      {"max spp", std::to_string(limits.spp())},
-      {"max images", std::to_string(limits.images())}};
-  return format_table({{"coordinator"}, {address}}, rows);
+  return format_description(
+      {{"coordinator", address},
+       {"release", info.version()},
+       {"started", TimeUtil::ToString(info.started_at())},
+       {"fingerprints", fmt::format("{}", fmt::join(info.determinism_fingerprints(), " "))},
+       {"principal", or_none(info.principal())},
+       {"role", or_none(info.role())},
+       {"features", fmt::format("{}", fmt::join(info.features(), " "))},
+       {"max message", fmt::format("{} bytes", limits.message_bytes())},
+       {"max file", fmt::format("{} bytes", limits.blob_bytes())},
+       {"max scene", fmt::format("{} bytes in {} files", limits.bundle_bytes(), limits.bundle_files())},
+       {"max image", fmt::format("{} pixels", limits.image_pixels())},
+       {"max spp", std::to_string(limits.spp())},
+       {"max images", std::to_string(limits.images())}},
+      style);
 }
 
 }  // namespace tessera::client

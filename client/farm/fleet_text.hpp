@@ -14,6 +14,7 @@ namespace tessera::client {
 std::string quarantine_table(const v1::ListQuarantineResponse& quarantine, double now_seconds,
                              const TextStyle& style = {});
 
-std::string server_description(const v1::GetServerInfoResponse& info, const std::string& address);
+std::string server_description(const v1::GetServerInfoResponse& info, const std::string& address,
+                               const TextStyle& style = {});
 
 }  // namespace tessera::client

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <map>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "client/farm/table.hpp"
@@ -104,21 +105,21 @@ std::string crop_text(const v1::RenderSettings& settings) {
 }
 
 // Those of a job with several: how many are done, and those that are being rendered.
-std::vector<std::vector<std::string>> image_rows(const v1::Job& job) {
+std::vector<std::pair<std::string, std::string>> image_rows(const v1::Job& job) {
   constexpr std::size_t kMaxShown = 8;
   if (job.images_size() < 2) return {};
   int done = 0;
-  std::vector<std::vector<std::string>> begun;
+  std::vector<std::pair<std::string, std::string>> begun;
   for (int i = 0; i < job.images_size(); ++i) {
     const v1::Image& image = job.images(i);
     const bool is_done = image.samples_total() > 0 && image.samples_done() == image.samples_total();
     done += is_done ? 1 : 0;
     if (is_done || image.samples_done() == 0 || begun.size() == kMaxShown) continue;
-    begun.push_back(
-        {fmt::format("image {}", i),
-         fmt::format("frame {}, {}%", image.frame(), percent(image.samples_done(), image.samples_total()))});
+    begun.emplace_back(
+        fmt::format("image {}", i),
+        fmt::format("frame {}, {} %", image.frame(), percent(image.samples_done(), image.samples_total())));
   }
-  std::vector<std::vector<std::string>> rows{
+  std::vector<std::pair<std::string, std::string>> rows{
       {"images", fmt::format("{}, of which {} are done; frames {} to {}", job.images_size(), done,
                              job.images(0).frame(), job.images(job.images_size() - 1).frame())}};
   rows.insert(rows.end(), begun.begin(), begun.end());
@@ -239,8 +240,9 @@ std::string workers_table(const v1::ListWorkersResponse& workers, double now_sec
   return table;
 }
 
-std::string job_description(const v1::Job& job, double now_seconds) {
-  std::vector<std::vector<std::string>> rows{
+std::string job_description(const v1::Job& job, double now_seconds, const TextStyle& style) {
+  std::vector<std::pair<std::string, std::string>> rows{
+      {"job", job.id()},
       {"name", job.name()},
       {"state", state_cell(job)},
       {"samples", samples_text(job)},
@@ -255,7 +257,7 @@ std::string job_description(const v1::Job& job, double now_seconds) {
        fmt::format("{} ({})", TimeUtil::ToString(job.created_at()), ago(job.created_at(), now_seconds))},
       {"scene", fmt::format("{} with {} file{}", job.bundle().scene_path(), job.bundle().assets_size(),
                             job.bundle().assets_size() == 1 ? "" : "s")}};
-  for (const std::vector<std::string>& row : image_rows(job)) rows.push_back(row);
+  for (auto& row : image_rows(job)) rows.push_back(std::move(row));
   if (job.settings().has_crop()) rows.push_back({"crop", crop_text(job.settings())});
   if (!job.settings().layers().empty())
     rows.push_back({"layers", fmt::format("{}", fmt::join(job.settings().layers(), ", "))});
@@ -285,7 +287,7 @@ std::string job_description(const v1::Job& job, double now_seconds) {
     rows.push_back({"non-finite", fmt::format("{} samples", job.counters().non_finite_samples())});
   if (job.counters().saturated_samples() > 0)
     rows.push_back({"saturated", fmt::format("{} samples", job.counters().saturated_samples())});
-  return format_table({{"job"}, {job.id()}}, rows);
+  return format_description(std::move(rows), style);
 }
 
 }  // namespace tessera::client

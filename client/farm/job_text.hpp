@@ -14,8 +14,8 @@
 
 namespace tessera::client {
 
-using proto::short_id;
 using proto::is_queued;
+using proto::short_id;
 using proto::state_name;
 
 // state_name(), or "queued" for a running job that waits for workers.
@@ -38,8 +38,8 @@ ProgressState progress_of(const v1::Job& job);
 std::string jobs_table(const v1::ListJobsResponse& jobs, double now_seconds, const TextStyle& style = {});
 std::string workers_table(const v1::ListWorkersResponse& workers, double now_seconds,
                           const TextStyle& style = {});
-// Everything about one job, a line for each field.
-std::string job_description(const v1::Job& job, double now_seconds);
+// Everything about one job, a line for each field; long ones are wrapped on a terminal.
+std::string job_description(const v1::Job& job, double now_seconds, const TextStyle& style = {});
 
 // One line of JSON, including the line end: see proto/json.hpp.
 template <typename Message>

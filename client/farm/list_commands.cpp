@@ -142,7 +142,7 @@ int run_job(const ListOptions& options) {
   const auto response = farm.call(&Farm::Stub::GetJob, request);
   if (!response) return print_error(response.error());
   const v1::Job& job = response->job();
-  print_result(options.json ? to_json_line(job) : job_description(job, seconds_since_1970()));
+  print_result(options.json ? to_json_line(job) : job_description(job, seconds_since_1970(), stdout_style()));
   return kExitOk;
 }
 
@@ -166,7 +166,8 @@ int run_server(const ListOptions& options) {
   Farm& farm = **opened;
   const auto info = farm.call(&Farm::Stub::GetServerInfo, v1::GetServerInfoRequest());
   if (!info) return print_error(info.error());
-  print_result(options.json ? to_json_line(*info) : server_description(*info, farm.address()));
+  print_result(options.json ? to_json_line(*info)
+                            : server_description(*info, farm.address(), stdout_style()));
   return kExitOk;
 }
 

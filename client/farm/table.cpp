@@ -6,6 +6,7 @@
 #include <iterator>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "client/text_width.hpp"
 #include "core/base/printable.hpp"
@@ -83,6 +84,24 @@ std::string format_line(const std::vector<Column>& columns, const std::vector<st
   return line + "\n";
 }
 
+// The lines of a text that is wrapped at spaces; a longer word has a line of its own.
+std::vector<std::string> wrapped(const std::string& text, std::size_t most) {
+  std::vector<std::string> lines(1);
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    std::string& line = lines.back();
+    if (line.empty())
+      line = word;
+    else if (text_width(line) + 1 + text_width(word) <= most)
+      line += " " + word;
+    else
+      lines.push_back(word);
+    begin = end + 1;
+  }
+  return lines;
+}
+
 }  // namespace
 
 std::string format_table(std::vector<Column> columns, std::vector<std::vector<std::string>> rows,
@@ -96,6 +115,30 @@ std::string format_table(std::vector<Column> columns, std::vector<std::vector<st
   std::string text;
   for (const auto& line : lines)
     text += format_line(columns, widths, line, style.colored && &line != &lines.front());
+  return text;
+}
+
+std::string format_description(std::vector<std::pair<std::string, std::string>> rows,
+                               const TextStyle& style) {
+  std::size_t indent = 0;
+  for (auto& [name, value] : rows) {
+    name = core::printable(name);
+    value = core::printable(value);
+    indent = std::max(indent, text_width(name) + kGapColumns);
+  }
+  std::string text;
+  for (const auto& [name, value] : rows) {
+    const auto most = static_cast<std::size_t>(style.columns.value_or(0));
+    std::string begin = name + std::string(indent - text_width(name), ' ');
+    const auto lines = style.columns ? wrapped(value, std::max(most, indent + kMinColumns) - indent)
+                                     : std::vector<std::string>{value};
+    for (const std::string& line : lines) {
+      text += begin + line;
+      text.erase(text.find_last_not_of(' ') + 1);
+      text += "\n";
+      begin = std::string(indent, ' ');
+    }
+  }
   return text;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "client/terminal.hpp"
@@ -27,5 +28,10 @@ struct Column {
 // the widest flexible columns are shortened first, then columns are left out by rank.
 std::string format_table(std::vector<Column> columns, std::vector<std::vector<std::string>> rows,
                          const TextStyle& style = {});
+
+// One line for each row, a name and a value, with the values below each other; escaped. On a terminal, values
+// are wrapped at spaces.
+std::string format_description(std::vector<std::pair<std::string, std::string>> rows,
+                               const TextStyle& style = {});
 
 }  // namespace tessera::client

@@ -45,7 +45,8 @@ std::string pattern_of(const OptionRow& option) {
 std::string bash_values(const CommandTable& table, const std::string& indent) {
   std::string cases, others;
   for (const OptionRow& option : all_options(table)) {
-    if (option.value.empty() || is_path(option.value)) continue;
+    // What follows an option with an optional value may be an argument.
+    if (option.value.empty() || is_path(option.value) || is_optional(option.value)) continue;
     const auto words = choices_of(option.value);
     if (words.empty())
       others += (others.empty() ? "" : "|") + pattern_of(option);
@@ -118,7 +119,7 @@ std::string fish_option(const std::string& begin, const OptionRow& option) {
   const auto words = choices_of(option.value);
   if (!words.empty())
     line += fmt::format(" -x -a {}", quoted(fmt::format("{}", fmt::join(words, " "))));
-  else if (!option.value.empty())
+  else if (!option.value.empty() && !is_optional(option.value))
     line += is_path(option.value) ? " -r -F" : " -x";
   return line + " -d " + quoted(summary_of(option.description)) + "\n";
 }

@@ -70,7 +70,7 @@ core::Result<TileAtRevision> FilmSource::read(const TileChange& change) {
   }
   const std::lock_guard lock(film_mutex_);
   if (film_ == nullptr)
-    return core::fail(core::ErrorCode::kUnavailable, "the image is being written; try again");
+    return core::fail(core::ErrorCode::kUnavailable, "the image cannot be read at the moment; try again");
   tile.sums = film_->tile(change.tile);
   tile.layers = layers_;
   return tile;

@@ -47,8 +47,13 @@ std::optional<http::Response> page_response(const http::Request& request) {
   const auto file = find_page_file(request.path);
   if (!file) return std::nullopt;
   http::Response response;
-  response.headers = {{"Cache-Control", "no-cache"}, {"ETag", file->etag}, {"Vary", "Accept-Encoding"}};
-  add_security_headers(response);
+  response.headers = {{"Cache-Control", "no-cache"}, {"ETag", file->etag}};
+  const bool is_resource =
+      file->content_type.starts_with("text/javascript") || file->content_type.starts_with("text/css");
+  if (is_resource)
+    add_resource_headers(response);
+  else
+    add_security_headers(response);
   if (request.header("if-none-match") == file->etag) {
     response.status = 304;
     return response;

@@ -17,9 +17,13 @@ constexpr const char* kContentSecurityPolicy =
 
 void add_security_headers(http::Response& response) {
   response.headers.emplace_back("Content-Security-Policy", kContentSecurityPolicy);
-  response.headers.emplace_back("X-Content-Type-Options", "nosniff");
   response.headers.emplace_back("Referrer-Policy", "no-referrer");
   response.headers.emplace_back("Cross-Origin-Opener-Policy", "same-origin");
+  add_resource_headers(response);
+}
+
+void add_resource_headers(http::Response& response) {
+  response.headers.emplace_back("X-Content-Type-Options", "nosniff");
   response.headers.emplace_back("Cross-Origin-Resource-Policy", "same-origin");
 }
 

@@ -106,7 +106,7 @@ class Api::CallSink final : public http::BodySink {
 };
 
 Api::Api(const rpc::Services& services, const ApiOptions& options)
-    : context_(std::make_shared<Context>(services, route_names())),
+    : context_(std::make_shared<Context>(services, route_names(), options.sessions_file)),
       host_(host_of(options.address)),
       checks_host_(services.facts.is_open && proto::is_loopback(options.address)),
       security_(options.security),

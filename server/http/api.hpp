@@ -2,6 +2,7 @@
 // The HTTP API of a coordinator, and its page: docs/http-api.md. Thread-safe.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -19,6 +20,8 @@ struct ApiOptions {
   int socket = -1;      // see http::ServerOptions
   // The same as for gRPC: without TLS, only this machine is served, unless it is insecure.
   proto::ServerSecurity security{};
+  // Where sessions outlive a restart; empty: they do not.
+  std::filesystem::path sessions_file{};
 };
 
 class Api final : private http::Handler {

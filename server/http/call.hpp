@@ -2,6 +2,7 @@
 // A call of the HTTP API while it is in progress, and what all of them share.
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -23,8 +24,9 @@ namespace tessera::http_api {
 
 // What all calls share. Thread-safe.
 struct Context {
-  Context(const rpc::Services& s, const std::vector<std::string>& routes)
-      : services(s), calls(routes), tiles(s.coordinator.tile_feed()) {}
+  Context(const rpc::Services& s, const std::vector<std::string>& routes,
+          const std::filesystem::path& sessions_file)
+      : services(s), calls(routes), sessions(sessions_file), tiles(s.coordinator.tile_feed()) {}
 
   const rpc::Services services;
   rpc::CallStats calls;  // by route

@@ -4,6 +4,7 @@
 //   lock          locked while a coordinator runs on it, as the folder itself is
 //   tessera.db    jobs and films (job_store.hpp)
 //   blobs/        scenes and their assets (blob_store.hpp)
+//   sessions      who is logged in to the page (http/sessions.hpp)
 //
 // A tessera.db-wal beside the database belongs to it: after a crash it has the last few seconds. A backup
 // (admin/backup.hpp) has a database, blobs, and a list of both, and no coordinator starts on it.
@@ -20,6 +21,7 @@ namespace tessera::store {
 
 inline constexpr const char* kDatabaseName = "tessera.db";
 inline constexpr const char* kBlobsName = "blobs";
+inline constexpr const char* kSessionsName = "sessions";
 // The list of the files of a backup.
 inline constexpr const char* kBackupListName = "tessera-backup.sha256";
 

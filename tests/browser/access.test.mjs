@@ -99,3 +99,14 @@ test('the owner and an administrator can', async () => {
   await owner.context().close();
   await admin.context().close();
 });
+
+test('a session outlives a restart of the coordinator', async () => {
+  const page = await logIn('vera', `#/jobs/${id}`);
+  await farm.killCoordinator();
+  await page.getByText('Reconnecting…').waitFor();
+  await farm.startCoordinator();
+  await page.getByText('Live', {exact: true}).waitFor();
+  await page.getByText('vera (').waitFor();
+  assert.deepEqual(await page.getByLabel('Token').count(), 0);
+  await page.context().close();
+});

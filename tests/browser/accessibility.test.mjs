@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {glowingSphere} from './farm.mjs';
-import {axe, kDesktop, kPhone, open, withFarm} from './page.mjs';
+import {axe, kDesktop, kSmallPhone, open, withFarm} from './page.mjs';
 
 let farm, browser, animation, done, failed, running;
 
@@ -43,7 +43,7 @@ const kViews = {
   unknown: [() => '#/jobs/0123', async (page) => page.getByText('There is no job with this id').waitFor()],
 };
 
-for (const [device, viewport] of Object.entries({desktop: kDesktop, phone: kPhone})) {
+for (const [device, viewport] of Object.entries({desktop: kDesktop, phone: kSmallPhone})) {
   for (const colorScheme of ['dark', 'light']) {
     for (const [name, [hash, prepare]] of Object.entries(kViews)) {
       test(`${name}, ${device}, ${colorScheme}`, async () => {

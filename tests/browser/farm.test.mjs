@@ -2,7 +2,7 @@
 // The farm's view: what is shown of jobs and workers, and what can be done with them.
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
-import {until} from './farm.mjs';
+import {glowingSphere, until} from './farm.mjs';
 import {open, withFarm} from './page.mjs';
 import {quarantineWorker} from './wrong_worker.mjs';
 
@@ -249,6 +249,16 @@ test('a restart of the coordinator is survived', async () => {
   await page.locator('.workers .state', {hasText: 'working'}).waitFor();
   assert.equal(await page.getByRole('row', {name: 'worker-1'}).count(), 1);
   assert.deepEqual(page.errors, []);
+});
+
+test('a failed job says why', async () => {
+  const scene = glowingSphere(64, 64);
+  scene.shapes[0].material = 'glw';
+  await farm.waitForState(await farm.submitScene(scene, {name: 'with a mistake'}), 'failed');
+  await row('with a mistake').getByRole('link').click();
+  await page.getByLabel('Failure').getByText("did you mean 'glow'?").waitFor();
+  await page.getByText('The job failed before there was an image.').waitFor();
+  await page.getByRole('link', {name: 'All jobs'}).click();
 });
 
 test('a page of the list that comes late changes nothing', async () => {

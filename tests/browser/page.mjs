@@ -10,6 +10,7 @@ const require = createRequire(import.meta.url);
 
 export const kDesktop = {width: 1440, height: 900};
 export const kPhone = {width: 390, height: 844};
+export const kSmallPhone = {width: 360, height: 740};
 
 export async function launch() {
   return chromium.launch({
@@ -67,26 +68,44 @@ export async function showPixels(page, width, height) {
   await page.waitForFunction(() => window.tessera.isComplete);
 }
 
+// The array of this type that `read(argument)` returns on the page. By its bytes: Playwright takes seconds
+// for the numbers of a whole image.
+export async function readArray(page, Type, read, argument) {
+  const array = await page.evaluateHandle(read, argument);
+  const text = await array.evaluate(({buffer, byteOffset, byteLength}) => {
+    const bytes = new Uint8Array(buffer, byteOffset, byteLength);
+    let characters = '';
+    for (let from = 0; from < bytes.length; from += 0x8000)
+      characters += String.fromCharCode(...bytes.subarray(from, from + 0x8000));
+    return btoa(characters);
+  });
+  await array.dispose();
+  return new Type(new Uint8Array(Buffer.from(text, 'base64')).buffer);
+}
+
 // The colours of the image's pixels as they are on the screen at zoom 1, R, G, B, row by row; and the device
 // column of the first one.
 export async function readColours(page, width, height) {
-  const shown = await page.evaluate(
+  const {originX, scale} = await page.evaluate(() => window.tessera.view);
+  if (scale !== 1) throw new Error(`the image is shown at scale ${scale}`);
+  const rgb = await readArray(
+    page,
+    Uint8Array,
     ([columns, rows]) => {
       const {width: canvasWidth, data} = window.tessera.readCanvas();
-      const {originX, originY, scale} = window.tessera.view;
-      const rgb = [];
-      for (let y = 0; y < rows; ++y) {
-        for (let x = 0; x < columns; ++x) {
-          const from = 4 * ((y + originY) * canvasWidth + x + originX);
-          rgb.push(...data.subarray(from, from + 3));
+      const {originX: left, originY: top} = window.tessera.view;
+      const colours = new Uint8Array(3 * columns * rows);
+      for (let y = 0, to = 0; y < rows; ++y) {
+        for (let x = 0; x < columns; ++x, to += 3) {
+          const from = 4 * ((y + top) * canvasWidth + x + left);
+          colours.set(data.subarray(from, from + 3), to);
         }
       }
-      return {rgb, originX, scale};
+      return colours;
     },
     [width, height],
   );
-  if (shown.scale !== 1) throw new Error(`the image is shown at scale ${shown.scale}`);
-  return shown;
+  return {rgb, originX};
 }
 
 // The headings and names on the page, which tell whether a screenshot of it is out of date.

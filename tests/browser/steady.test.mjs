@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// While a job renders nothing on the page moves by itself, and nothing is fetched from elsewhere.
+// Nothing on the page moves by itself, from its first frame on and whatever becomes of a job and of the
+// coordinator, and nothing is fetched from elsewhere.
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {kDesktop, kPhone, open, withFarm} from './page.mjs';
@@ -12,27 +13,16 @@ withFarm({threads: 1}, (started) => {
 
 const submit = (name, spp) => farm.submit(['--size', '256x256', '--spp', spp, '--name', name]);
 
-// Lists layout shifts in window.shifts, each with what moved: those since window.loadedAt.
+// Lists layout shifts in window.shifts, each with what moved.
 function listShifts() {
   window.shifts = [];
-  window.loadedAt = Infinity;
   const place = ({x, y, width, height}) => `${width} x ${height} at ${x}, ${y}`;
   const text = ({node, previousRect, currentRect}) =>
     `${node?.className || node?.nodeName} from ${place(previousRect)} to ${place(currentRect)}`;
   new PerformanceObserver((list) => {
     for (const {value, sources, startTime} of list.getEntries())
-      if (startTime > window.loadedAt) window.shifts.push({value, moved: sources.map(text)});
-  }).observe({type: 'layout-shift'});
-}
-
-async function openSteady(hash, viewport, isLoaded) {
-  const page = await open(browser, farm.url + hash, {viewport, init: listShifts});
-  await isLoaded(page);
-  await page.getByText('Live', {exact: true}).waitFor();
-  await page.evaluate(() => {
-    window.loadedAt = performance.now();
-  });
-  return page;
+      window.shifts.push({at: Math.round(startTime), value, moved: sources.map(text)});
+  }).observe({type: 'layout-shift', buffered: true});
 }
 
 async function assertSteady(page, what) {
@@ -46,40 +36,49 @@ async function assertSteady(page, what) {
   await page.context().close();
 }
 
+// Ten changes of what is shown.
+async function seeChanges(page, selector) {
+  for (let i = 0; i < 10; ++i) {
+    const before = await page.locator(selector).first().textContent();
+    await page.waitForFunction(
+      ([at, old]) => document.querySelector(at).textContent !== old,
+      [selector, before],
+    );
+  }
+}
+
 for (const [device, viewport] of Object.entries({desktop: kDesktop, phone: kPhone})) {
-  test(`nothing moves while a job renders, ${device}`, async () => {
-    const name = `steady on a ${device}`;
-    const id = await submit(name, '100000');
-    const pages = await Promise.all([
-      openSteady('#/', viewport, async (page) => {
-        await page.getByRole('link', {name}).waitFor();
-        await page.locator('.workers .state', {hasText: 'working'}).waitFor();
-        await page.locator('.progress-text', {hasText: /[1-9]/}).first().waitFor();
-        await page.waitForFunction(() => document.querySelector('.figure-number').textContent !== '0');
-      }),
-      openSteady(`#/jobs/${id}`, viewport, async (page) => {
-        await page.waitForFunction(() => window.tessera?.isComplete);
-        // Also an image without samples is complete.
-        await page.waitForFunction(() => {
-          const shown = document.querySelector('.side').textContent;
-          return /Time left[<\d]/.test(shown) && /Rays\d/.test(shown);
-        });
-      }),
-    ]);
+  test(`nothing moves by itself, ${device}`, async () => {
+    await farm.waitForState(await submit(`done on a ${device}`, '1'), 'done');
+    const id = await submit(`steady on a ${device}`, '100000');
+    const pages = await Promise.all(
+      ['#/', `#/jobs/${id}`].map((hash) => open(browser, farm.url + hash, {viewport, init: listShifts})),
+    );
     const [farmPage, jobPage] = pages;
-    // Ten changes of what is shown.
-    for (let i = 0; i < 10; ++i) {
-      for (const [page, selector] of [
-        [farmPage, '.figure-number'],
-        [jobPage, '.facts'],
-      ]) {
-        const before = await page.locator(selector).first().textContent();
-        await page.waitForFunction(
-          ([at, old]) => document.querySelector(at).textContent !== old,
-          [selector, before],
-        );
-      }
-    }
+    const all = (see) => Promise.all(pages.map(see));
+    const isState = (state) => all((page) => page.locator('.state', {hasText: state}).first().waitFor());
+    const change = (verb, body = {}) =>
+      farm.api(`jobs/${id}/${verb}`, {
+        method: 'POST',
+        body: JSON.stringify(body),
+        headers: {'Content-Type': 'application/json'},
+      });
+
+    await seeChanges(farmPage, '.figure-number');
+    await seeChanges(jobPage, '.facts');
+    await change('pause');
+    await isState('paused');
+    await change('resume');
+    await isState('running');
+    await farm.killCoordinator();
+    await all((page) => page.getByText('Reconnecting…').waitFor());
+    await farm.startCoordinator();
+    await all((page) => page.getByText('Live', {exact: true}).waitFor());
+    await isState('running');
+    await seeChanges(jobPage, '.facts');
+    await change('extend', {spp: 200000});
+    await change('cancel');
+    await isState('cancelled');
     await assertSteady(farmPage, 'the farm');
     await assertSteady(jobPage, 'the job');
     await farm.api(`jobs/${id}`, {method: 'DELETE'});

@@ -31,6 +31,18 @@ for trace in "$build" "$source/" "$work/first"; do
   fail "'$trace' stands in ${found//$'\n'/ }"
 done
 
+# Manual pages and completions are there, as the programs print them.
+for program in tessera tessera-coordinator tessera-worker tessera-validator tessera-scene-loader; do
+  "$tree/bin/$program" --print-man-page | cmp - "$tree/share/man/man1/$program.1" || fail "no manual page of $program"
+done
+for program in tessera tessera-coordinator tessera-worker; do
+  for file in "bash bash-completion/completions/$program" "zsh zsh/site-functions/_$program" \
+    "fish fish/vendor_completions.d/$program.fish"; do
+    "$tree/bin/$program" --print-completion "${file%% *}" | cmp - "$tree/share/${file#* }" ||
+      fail "no completion of $program for ${file%% *}"
+  done
+done
+
 # What the library exports is what its header declares.
 library=$(echo "$tree"/lib*/libtessera.so)
 symbols=$(nm -DC --defined-only "$library" | sed -E 's/^[0-9a-f]+ . //')

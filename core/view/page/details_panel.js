@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Beside the image: progress, settings, life and files of the job, as text.
+// Beside the image: progress, settings, life, files and messages of the job, as text.
 import {get, jobPath} from './api.js';
 import {h, setAttribute, setHidden, setText} from './dom.js';
 import {bytes, count, duration, localTime, plural, rate, speedOf} from './format.js';
+import {store} from './store.js';
 
 export function section(title, content, {isOpen = true} = {}) {
   return h(
@@ -44,43 +45,54 @@ function updateList(element, texts) {
   element.replaceChildren(...texts.map((text) => h('li', {}, text)));
 }
 
-// Those of a local render, which has none.
 const kNoCounters = {closest_hit_rays: 0, shadow_rays: 0, non_finite_samples: 0, saturated_samples: 0};
 
+// What a local render has none of.
+function farmFacts(job) {
+  const counters = {...kNoCounters, ...job.counters};
+  const rays = counters.closest_hit_rays + counters.shadow_rays;
+  const {non_finite_samples: nonFinite, saturated_samples: saturated} = counters;
+  return [
+    ['Workers', `${job.active_workers}${job.max_workers > 0 ? ` of at most ${job.max_workers}` : ''}`],
+    ['To verify', job.samples_to_verify > 0 ? count(job.samples_to_verify) : 'none'],
+    ['Rays', rays > 0 ? count(rays) : '–'],
+    ['Odd samples', nonFinite + saturated > 0 ? `${nonFinite} not finite, ${saturated} saturated` : 'none'],
+  ];
+}
+
+// The same lines from the first sample to the last, so that nothing below them moves.
 export class ProgressPanel {
   constructor() {
     this.facts = new Facts();
-    this.waiting = h('p.hint', {hidden: true});
-    this.troubles = h('ul.messages', {hidden: true, 'aria-label': 'Troubles of workers'});
-    this.warnings = h('ul.messages.warnings', {hidden: true, 'aria-label': 'Warnings about the scene'});
-    this.element = section('Progress', [this.facts.element, this.waiting, this.troubles, this.warnings]);
+    this.element = section('Progress', this.facts.element);
   }
 
   update(job) {
-    const counters = {...kNoCounters, ...job.counters};
-    const rays = counters.closest_hit_rays + counters.shadow_rays;
-    const odd = counters.non_finite_samples + counters.saturated_samples;
+    const isServed = job.state === 'running' && !job.queue_position;
     this.facts.update([
       ['Samples', `${count(job.samples_done)} of ${count(job.samples_total)}`],
-      ['To verify', job.samples_to_verify > 0 ? count(job.samples_to_verify) : null],
       ['Samples/s', rate(speedOf(job))],
-      ['Time left', job.state === 'running' && !job.queue_position ? duration(job.seconds_left) : null],
-      ['Workers', `${job.active_workers}${job.max_workers > 0 ? ` of at most ${job.max_workers}` : ''}`],
-      ['Rays', rays > 0 ? count(rays) : null],
-      [
-        'Odd samples',
-        odd > 0
-          ? `${counters.non_finite_samples} not finite, ${counters.saturated_samples} saturated`
-          : null,
-      ],
+      ['Time left', isServed ? duration(job.seconds_left) : '–'],
+      ...(store.isLocal ? [] : farmFacts(job)),
     ]);
-    setHidden(this.waiting, !job.waiting_reason);
-    setText(this.waiting, job.waiting_reason ?? '');
-    updateList(this.troubles, job.troubles ?? []);
+  }
+}
+
+// What went wrong without ending the job.
+export class MessagesPanel {
+  constructor() {
+    this.troubles = h('ul.messages', {'aria-label': 'Troubles of workers'});
+    this.warnings = h('ul.messages.warnings', {'aria-label': 'Warnings about the scene'});
+    this.element = section('Messages', [this.warnings, this.troubles]);
+  }
+
+  update({troubles, warnings}) {
+    updateList(this.troubles, troubles ?? []);
     updateList(
       this.warnings,
-      (job.warnings ?? []).map((warning) => `warning: ${warning}`),
+      (warnings ?? []).map((warning) => `warning: ${warning}`),
     );
+    setHidden(this.element, this.troubles.hidden && this.warnings.hidden);
   }
 }
 
@@ -114,7 +126,7 @@ export class SettingsPanel {
           .join(', ') || null,
       ],
       ['Submitted', localTime(job.created_at)],
-      ['Finished', job.finished_at ? localTime(job.finished_at) : null],
+      ['Finished', localTime(job.finished_at)],
     ]);
   }
 }

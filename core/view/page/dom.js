@@ -68,6 +68,7 @@ const kIcons = {
   download: 'M7 2h2v6h3l-4 4-4-4h3zM3 13h10v1.5H3z',
   back: 'M10 3l1.2 1.2L7.4 8l3.8 3.8L10 13 5 8z',
   forward: 'M6 3L4.8 4.2 8.6 8l-3.8 3.8L6 13l5-5z',
+  leave: 'M2.5 2h6v1.5H4v9h4.5V14h-6zM10 4.5L13.5 8 10 11.5 9 10.5l1.7-1.7H6V7.2h4.7L9 5.5z',
   undo: 'M6 3v2.5h3a4 4 0 0 1 0 8H5V12h4a2.5 2.5 0 0 0 0-5H6v2.5L2.5 6.2z',
   fit: 'M2 2h4v1.5H3.5V6H2zM10 2h4v4h-1.5V3.5H10zM2 10h1.5v2.5H6V14H2zM12.5 10H14v4h-4v-1.5h2.5z',
   plus: 'M7 3h2v4h4v2H9v4H7V9H3V7h4z',

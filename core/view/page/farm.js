@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The farm: what it does now, its jobs and its workers.
-import {h, setText} from './dom.js';
+import {h, setHidden, setText} from './dom.js';
 import {count, plural} from './format.js';
 import {JobsTable} from './jobs_table.js';
 import {sparkline} from './plots.js';
@@ -66,6 +66,8 @@ export function farmView(root, query) {
     figures.forEach((f) => f.update());
     jobs.update();
     workers.update();
+    // Below the jobs: what comes and goes above would move it.
+    setHidden(workers.element, !store.isLoaded);
   };
   update();
   const clock = setInterval(() => {

@@ -24,7 +24,8 @@ export function speedOf(job) {
 }
 
 export function bytes(value) {
-  return `${count(value)}B`;
+  const text = count(value);
+  return /[0-9]$/.test(text) ? `${text} B` : `${text}B`;
 }
 
 export function percent(part, whole) {

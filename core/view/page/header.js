@@ -36,7 +36,12 @@ export function header(element, {logOut}) {
     connection,
   );
   const who = h('span.who', {});
-  const out = h('button.quiet', {type: 'button', onclick: logOut}, 'Log out');
+  const out = h(
+    'button.quiet.log-out',
+    {type: 'button', onclick: logOut, 'aria-label': 'Log out'},
+    icon('leave'),
+    h('span', {}, 'Log out'),
+  );
   element.append(
     h(
       'a.brand',
@@ -45,8 +50,9 @@ export function header(element, {logOut}) {
       h('span', {}, 'Tessera'),
     ),
     nav,
-    h('span.spacer', {}),
+    // Changes its width by itself: only the spacer gives way.
     light,
+    h('span.spacer', {}),
     who,
     out,
     h(
@@ -71,16 +77,18 @@ export function header(element, {logOut}) {
       '?',
     ),
   );
+  const isIn = () => store.session.open || Boolean(store.session.principal);
   const updateConnection = () => {
     const [text, kind] = kConnections[store.connection];
     setText(connection, text);
     setAttribute(light, 'data-kind', kind);
+    // Before the first answer it is not known whether there are links beside it.
+    setHidden(light, !isIn() || (!store.live && store.connection === 'connecting'));
   };
   const update = () => {
     const {open, principal, role} = store.session;
-    const isIn = open || Boolean(principal);
-    setHidden(nav, store.isLocal || !isIn);
-    setHidden(light, !isIn);
+    setHidden(nav, store.isLocal || !isIn());
+    nav.classList.toggle('is-unknown', !store.live);
     setHidden(out, open || !principal);
     setText(who, principal ? `${principal} (${role || 'no role'})` : '');
     setHidden(who, !principal);

@@ -3,7 +3,7 @@
 import {get, imageQuery, jobPath, url} from './api.js';
 import {ComparePanel} from './compare_panel.js';
 import {DisplayPanel} from './display_panel.js';
-import {EventsPanel, FilesPanel, ProgressPanel, SettingsPanel} from './details_panel.js';
+import {EventsPanel, FilesPanel, MessagesPanel, ProgressPanel, SettingsPanel} from './details_panel.js';
 import {h, setAttribute, setHidden, setText, throttle} from './dom.js';
 import {installHooks} from './hooks.js';
 import {ImagesPanel} from './images_panel.js';
@@ -41,16 +41,25 @@ class JobView {
     this.settings = new SettingsPanel();
     this.files = new FilesPanel();
     this.events = new EventsPanel(id);
+    this.messages = new MessagesPanel();
     this.message = h('div.viewer-message', {role: 'status'}, 'Loading…');
-    this.stage = h('div.stage', {}, this.message);
+    this.waiting = h('p.stage-note.waiting', {role: 'status'});
+    this.failure = h('pre.stage-note.failure', {
+      role: 'alert',
+      tabindex: 0,
+      'aria-label': 'Failure',
+      hidden: true,
+    });
+    this.stage = h('div.stage', {}, this.message, this.waiting, this.failure);
     this.side = h(
-      'div.side',
+      'div.side.is-empty',
       {},
       this.images.element,
       this.progress.element,
       this.settings.element,
-      this.events.element,
       this.files.element,
+      this.events.element,
+      this.messages.element,
     );
     root.append(h('div.job', {}, this.head.element, this.stage, this.side));
     this.askDetails = throttle(400, () => this.fetchDetails());
@@ -111,6 +120,8 @@ class JobView {
     this.progress.update(this.job);
     this.settings.update(this.job);
     this.files.update(this.job);
+    this.messages.update(this.job);
+    this.updateNotes(this.job);
     document.title = `${jobTitle(this.job)} – Tessera`;
     if (before?.state !== this.job.state) {
       this.events.fetch();
@@ -118,8 +129,16 @@ class JobView {
       if (before && isOver(before) && !isOver(this.job)) this.viewer?.source.reopen();
     }
     if (!this.viewer) this.tryViewer();
+    this.side.classList.toggle('is-empty', this.job.state === 'validating');
     this.overlays?.update(this.job);
     this.compare?.update(this.job);
+  }
+
+  // Above the image, so that it stays where it is.
+  updateNotes({failure, waiting_reason: reason}) {
+    setText(this.waiting, reason ? `Waiting: ${reason}` : '');
+    setHidden(this.failure, !failure);
+    setText(this.failure, failure ? `tessera: error: ${failure.message}` : '');
   }
 
   showImage(index) {
@@ -135,15 +154,17 @@ class JobView {
 
   tryViewer() {
     const {job} = this;
-    if (job.state === 'validating' || !(job.width > 0)) {
+    const isValidated = job.state !== 'validating' && job.width > 0;
+    if (isOver(job) && job.samples_done === 0 && (job.state === 'failed' || !isValidated)) {
+      const end = job.state === 'failed' ? 'failed' : 'was cancelled';
+      setText(this.message, `The job ${end} before there was an image.`);
+      return;
+    }
+    if (!isValidated) {
       setText(
         this.message,
         'The scene is being validated. The image appears here as soon as there are samples.',
       );
-      return;
-    }
-    if (job.state === 'failed' && job.samples_done === 0) {
-      setText(this.message, 'The job failed before there was an image.');
       return;
     }
     try {
@@ -180,7 +201,8 @@ class JobView {
     this.overlays = new OverlayPanel(this.viewer, job);
     this.compare = new ComparePanel(this.viewer, job);
     setHidden(this.message, true);
-    this.stage.append(this.viewer.element, this.readout.element);
+    this.message.after(this.viewer.element);
+    this.stage.append(this.readout.element);
     this.progress.element.after(this.display.element, this.overlays.element, this.compare.element);
     if (job.image_count > 1) this.keys.push(...this.images.keys());
     this.keys.push(

@@ -51,13 +51,13 @@ export class JobHead {
         h('span', {}, action.label),
       ),
     ]);
+    this.showPauseOrResume(false);
     this.download = menuButton(
       'Download the image',
       [icon('download'), h('span', {}, 'Download')],
       () => this.downloads(),
       {class: 'download'},
     );
-    this.failure = h('pre.failure', {role: 'alert', tabindex: 0, 'aria-label': 'Failure', hidden: true});
     this.actions = h(
       'div.job-actions',
       {role: 'group', 'aria-label': 'Actions'},
@@ -76,7 +76,6 @@ export class JobHead {
       ),
       h('div.job-progress', {}, this.progress.element, this.left),
       h('div.job-buttons', {}, !store.isLocal && this.actions, this.download),
-      this.failure,
     );
   }
 
@@ -114,11 +113,13 @@ export class JobHead {
           : '',
     );
     for (const [action, button] of this.buttons) setReason(button, whyNot(action.name, job), action.label);
-    // Of Pause and Resume only the one that applies.
-    setHidden(this.buttons[0][1], job.state === 'paused');
-    setHidden(this.buttons[1][1], job.state !== 'paused');
-    setHidden(this.failure, !job.failure);
-    setText(this.failure, job.failure ? `tessera: error: ${job.failure.message}` : '');
+    this.showPauseOrResume(job.state === 'paused');
+  }
+
+  // Only the one that applies.
+  showPauseOrResume(isPaused) {
+    setHidden(this.buttons[0][1], isPaused);
+    setHidden(this.buttons[1][1], !isPaused);
   }
 
   // The job is deleted, or never was.

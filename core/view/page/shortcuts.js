@@ -81,7 +81,6 @@ export function showShortcuts() {
   const toggle = h('input', {
     type: 'checkbox',
     checked: !isOff,
-    id: 'keys-on',
     onchange: (event) => {
       isOff = !event.target.checked;
       try {
@@ -93,6 +92,6 @@ export function showShortcuts() {
   });
   inform('Keyboard shortcuts', [
     h('div.keys-columns', {}, table('This view', listed), table('Everywhere', pageKeys())),
-    h('p', {}, toggle, ' ', h('label', {for: 'keys-on'}, 'Single keys act as shortcuts')),
+    h('label.check', {}, toggle, 'Single keys act as shortcuts'),
   ]);
 }

@@ -20,6 +20,7 @@ class FarmStore extends EventTarget {
     this.isLoaded = false;
     this.nextPage = ''; // of the list of jobs
     this.hasOlderJobs = false; // whether that has jobs which are not here
+    this.unconfirmed = new Set(); // jobs from before a reset of which nothing has been heard since
     this.startListing();
     this.history = []; // totals(): one for each period, and that of this second
     this.periodEnds = 0;
@@ -44,6 +45,7 @@ class FarmStore extends EventTarget {
     this.live = null;
     clearInterval(this.sampling);
     this.startListing();
+    this.unconfirmed = new Set();
     this.jobs.clear();
     this.workers.clear();
     this.history = [];
@@ -59,7 +61,8 @@ class FarmStore extends EventTarget {
 
   apply(name, data) {
     if (name === 'reset') {
-      this.jobs.clear();
+      // Jobs are shown until the list says that they are no more: no row goes and comes back.
+      this.unconfirmed = new Set(this.jobs.keys());
       this.workers.clear();
       this.fetchNewestJobs();
     } else if (name === 'jobs') {
@@ -70,13 +73,12 @@ class FarmStore extends EventTarget {
       for (const id of data.jobs ?? []) this.forgetJob(id);
       for (const id of data.workers ?? []) this.workers.delete(id);
     }
-    this.isLoaded = true;
     this.changed();
   }
 
   // From events or from answers; an older state never replaces a newer one.
   putJob(job) {
-    const known = this.jobs.get(job.id);
+    const known = this.unconfirmed.delete(job.id) ? null : this.jobs.get(job.id);
     if (known && known.revision > job.revision) return;
     this.jobs.set(job.id, job);
     this.changed();
@@ -84,12 +86,17 @@ class FarmStore extends EventTarget {
 
   // Events tell of unfinished jobs and of changes. Finished ones are in the list, newest first.
   async fetchNewestJobs() {
+    const {unconfirmed} = this; // another one after a later reset
     this.nextPage = '';
     this.hasOlderJobs = false;
     // If the list cannot be had now, there may be more in it.
     await this.fetchOlderJobs().catch(() => {
       this.hasOlderJobs = true;
     });
+    if (unconfirmed !== this.unconfirmed) return;
+    for (const id of unconfirmed) this.jobs.delete(id);
+    unconfirmed.clear();
+    this.isLoaded = true;
     this.changed();
   }
 

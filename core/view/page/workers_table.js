@@ -66,7 +66,7 @@ class WorkerRow {
       cell('Leases', 'number', this.texts.leases),
       cell('Accepted', 'number', this.texts.accepted),
       cell('Audits', '', this.texts.checks),
-      cell('Cache', 'c-cache number', this.texts.cache),
+      cell('Cache', 'number', this.texts.cache),
       cell('Last seen', '', this.texts.seen),
       cell('Actions', 'c-actions', this.button),
     );
@@ -98,7 +98,10 @@ class WorkerRow {
       worker.state === 'quarantined' ? 'Release…' : isDraining(worker) ? 'Undo drain' : 'Drain',
     );
     setAttribute(this.button, 'aria-label', `${this.button.textContent} ${worker.name}`);
-    setReason(this.button, whyNotAdmin() ?? (worker.state === 'silent' ? 'The worker does not call.' : null));
+    setReason(
+      this.button,
+      whyNotAdmin() ?? (worker.state === 'silent' ? 'The worker is not connected.' : null),
+    );
   }
 }
 
@@ -121,7 +124,7 @@ export class WorkersTable {
     this.count = h('span.count', {});
     const heading = (label, classes = null) =>
       h('th', {class: classes, role: 'columnheader', scope: 'col'}, label);
-    this.table = h(
+    const table = h(
       'table.table.workers',
       {role: 'table', 'aria-labelledby': 'workers-heading'},
       h(
@@ -137,7 +140,7 @@ export class WorkersTable {
           heading('Leases', 'number'),
           heading('Accepted', 'number'),
           heading('Audits'),
-          heading('Cache', 'c-cache number'),
+          heading('Cache', 'number'),
           heading('Last seen'),
           h('th.c-actions', {role: 'columnheader', scope: 'col'}, h('span.visually-hidden', {}, 'Actions')),
         ),
@@ -148,7 +151,7 @@ export class WorkersTable {
       'section.panel',
       {'aria-labelledby': 'workers-heading'},
       h('div.panel-head', {}, h('h2', {id: 'workers-heading'}, 'Workers'), this.count),
-      this.table,
+      table,
       this.empty,
     );
   }
@@ -163,10 +166,6 @@ export class WorkersTable {
       workers.map((worker) => this.row(worker).element),
     );
     setText(this.count, workers.length > 0 ? plural(workers.length, 'worker') : '');
-    this.table.classList.toggle(
-      'has-cache',
-      workers.some((worker) => worker.cache),
-    );
     setHidden(this.empty, workers.length > 0);
     if (workers.length > 0) return;
     setText(

@@ -196,6 +196,9 @@ TEST_F(CommandLine, NearMissesAreSuggested) {
             "tessera: error: there is no option '--sppp'; did you mean '--spp'?\n"
             "Try: tessera render --help\n");
   EXPECT_THAT(render({"-o", path("a.png"), "other.json"}).err, HasSubstr("unexpected argument 'other.json'"));
+  EXPECT_EQ(run_tessera({"render", "corell", "-o", path("a.png")}).err,
+            "tessera: error: SCENE: there is no scene 'corell'; did you mean 'cornell'?\n"
+            "Try: tessera render --help\n");
 }
 
 TEST_F(CommandLine, ViewShowsAnImage) {

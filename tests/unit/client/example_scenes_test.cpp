@@ -15,12 +15,14 @@ using testing::EndsWith;
 
 TEST(ExampleScenes, AreFoundBesideTheProgramByTheirNames) {
   EXPECT_THAT(find_scene("cornell"), EndsWith("/share/tessera/scenes/cornell/scene.json"));
-  EXPECT_THAT(find_scene("cook_torrance_sampling/uniform"), EndsWith("/scenes/cook_torrance_sampling/uniform.json"));
+  EXPECT_THAT(find_scene("cook_torrance_sampling/uniform"),
+              EndsWith("/scenes/cook_torrance_sampling/uniform.json"));
   EXPECT_TRUE(std::filesystem::exists(find_scene("cornell")));
 }
 
 TEST(ExampleScenes, OtherNamesStayAsTheyAre) {
-  for (const char* name : {"", "none", "none.json", "/cornell", "../cornell/none"}) EXPECT_EQ(find_scene(name), name);
+  for (const char* name : {"", "none", "none.json", "/cornell", "../cornell/none"})
+    EXPECT_EQ(find_scene(name), name);
 }
 
 TEST(ExampleScenes, FilesComeFirst) {
@@ -33,6 +35,18 @@ TEST(ExampleScenes, FilesComeFirst) {
   std::filesystem::create_directory("cornell");
   EXPECT_THAT(find_scene("cornell"), EndsWith("/scenes/cornell/scene.json"));
   std::filesystem::current_path(before);
+}
+
+TEST(ExampleScenes, AreSuggestedForSimilarNames) {
+  EXPECT_EQ(suggest_example("corell"), "there is no scene 'corell'; did you mean 'cornell'?");
+  EXPECT_EQ(suggest_example("cook_torance_sampling/uniform"),
+            "there is no scene 'cook_torance_sampling/uniform'; did you mean "
+            "'cook_torrance_sampling/uniform'?");
+  EXPECT_EQ(suggest_example("cook_torrance_sampling"),
+            "there is no scene 'cook_torrance_sampling'; known are 'cook_torrance_sampling/half_vector', "
+            "'cook_torrance_sampling/uniform', 'cook_torrance_sampling/visible_normals'");
+  for (const char* name : {"cornell", "", "none", "none.json", "/corell"})
+    EXPECT_EQ(suggest_example(name), "");
 }
 
 }  // namespace

@@ -44,6 +44,7 @@ class GeneratedPages : public ::testing::Test {
     draw->add_option("-o,--output", text_, "File to write; it's kept")->type_name("FILE");
     draw->add_option("--curve", text_, "Tone [curve]: of PNG files")->type_name("none|aces");
     draw->add_option("--spp", text_, "Samples")->type_name("N");
+    draw->add_option("--show", text_, "Show it")->type_name("[HOST:PORT]");
     draw->add_flag("--fast", flag_, "Be fast");
     draw->add_option("SCENE", text_, "What to draw");
     draw->add_option("IMAGE", text_, "What to draw it on");
@@ -116,6 +117,8 @@ TEST_F(GeneratedPages, BashCompletesCommandsOptionsAndValues) {
   EXPECT_EQ(completed("paint draw --f"), "--fast\n");
   EXPECT_EQ(completed("paint draw --curve a"), "aces\n");
   EXPECT_EQ(completed("paint draw --spp 1"), "\n");
+  EXPECT_THAT(bash_completion(table_of(app_, "paint")), HasSubstr("--spp) compopt +o default"))
+      << "files are no numbers, but may follow --show";
   EXPECT_EQ(completed("paint draw x"), "\n");
 }
 
@@ -155,6 +158,7 @@ TEST_F(GeneratedPages, FishCompletesTheSame) {
   EXPECT_THAT(offered_by_fish("paint draw --spp 1"), IsEmpty());
   EXPECT_THAT(offered_by_fish("paint draw -o dr"), ElementsAre("dr.png"));
   EXPECT_THAT(offered_by_fish("paint draw dr"), ElementsAre("dr.png"));
+  EXPECT_THAT(offered_by_fish("paint draw --show dr"), ElementsAre("dr.png"));
 }
 
 TEST_F(GeneratedPages, UsageShowsWhatMayBeLeftOut) {

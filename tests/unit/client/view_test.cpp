@@ -52,6 +52,9 @@ class View : public testing::Test {
   static std::string body(const std::string& address, const std::string& target) {
     const std::string all = response(address, "GET " + target);
     EXPECT_THAT(all, HasSubstr("HTTP/1.1 200")) << target;
+    return body_of(all);
+  }
+  static std::string body_of(const std::string& all) {
     return all.find("Transfer-Encoding: chunked") == std::string::npos ? all.substr(all.find("\r\n\r\n") + 4)
                                                                        : http::unchunked(all);
   }
@@ -70,7 +73,9 @@ TEST_F(View, ShowsTheImageWhileItIsRendered) {
               nlohmann::json::array({"local"}));
     nlohmann::json pixel = {{"samples", 0}};
     for (int i = 0; i < 2000 && pixel["samples"] == 0; ++i) {
-      pixel = nlohmann::json::parse(body(address, "/api/v1/jobs/local/pixel?x=75&y=50"));
+      // 503 before the render has begun.
+      const std::string answer = response(address, "GET /api/v1/jobs/local/pixel?x=75&y=50");
+      if (answer.starts_with("HTTP/1.1 200")) pixel = nlohmann::json::parse(body_of(answer));
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     EXPECT_GT(pixel["samples"], 0);

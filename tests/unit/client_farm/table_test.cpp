@@ -55,5 +55,23 @@ TEST(Table, ShowsNoControlCharacters) {
   EXPECT_EQ(format_table({{"N"}}, {{"a\x1b[2Jb\n"}}), "N\na\\x1b[2Jb\\x0a\n");
 }
 
+TEST(Description, WrapsLongValuesOnTerminals) {
+  const std::vector<std::pair<std::string, std::string>> rows{{"job", "1f0c"},
+                                                              {"failure", "the file 'a b' is not there"}};
+  EXPECT_EQ(format_description(rows), "job      1f0c\nfailure  the file 'a b' is not there\n");
+  EXPECT_EQ(format_description(rows, {.columns = 24}),
+            "job      1f0c\n"
+            "failure  the file 'a b'\n"
+            "         is not there\n");
+  EXPECT_EQ(format_description({{"scene", "a_long_path/scene.json x"}}, {.columns = 10}),
+            "scene  a_long_path/scene.json\n"
+            "       x\n")
+      << "words are never cut";
+}
+
+TEST(Description, ShowsNoControlCharacters) {
+  EXPECT_EQ(format_description({{"name", "a\x1b[2Jb\n"}}), "name  a\\x1b[2Jb\\x0a\n");
+}
+
 }  // namespace
 }  // namespace tessera::client

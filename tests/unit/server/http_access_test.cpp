@@ -4,9 +4,11 @@
 
 #include <regex>
 
+#include "core/image/file_io.hpp"
 #include "server/http/origin.hpp"
 #include "server/http/routes.hpp"
 #include "server/http/sessions.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/server/http_service.hpp"
 
 namespace tessera::http_api {
@@ -172,7 +174,7 @@ TEST(HttpOrigin, IsTheHostOfTheRequest) {
 
 TEST(HttpSessions, AreBounded) {
   Sessions::Clock::time_point now{};
-  Sessions sessions([&] { return now; });
+  Sessions sessions({}, [&] { return now; });
   const std::string first = sessions.open("ada");
   EXPECT_EQ(sessions.token_digest(first), "ada");
   for (std::size_t i = 0; i < Sessions::kMaxOfToken; ++i) sessions.open("ada");
@@ -184,6 +186,40 @@ TEST(HttpSessions, AreBounded) {
   EXPECT_EQ(sessions.count(), 1u);
   sessions.close(last);
   EXPECT_EQ(sessions.count(), 0u);
+}
+
+TEST(HttpSessions, OutliveARestart) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "sessions";
+  Sessions::Clock::time_point now{std::chrono::hours(1)};
+  const auto clock = [&] { return now; };
+  std::string of_ada, of_ben;
+  {
+    Sessions sessions(file, clock);
+    of_ada = sessions.open("ada");
+    now += std::chrono::hours(1);
+    of_ben = sessions.open("ben");
+    sessions.close(sessions.open("cleo"));
+  }
+  const std::string bytes = core::read_file(file.string()).value();
+  EXPECT_EQ(bytes.find(of_ada), std::string::npos);
+  Sessions restarted(file, clock);
+  EXPECT_EQ(restarted.count(), 2u);
+  EXPECT_EQ(restarted.token_digest(of_ada), "ada");
+  EXPECT_EQ(restarted.token_digest(of_ben), "ben");
+  now += Sessions::kLifetime - std::chrono::minutes(30);
+  EXPECT_EQ(restarted.token_digest(of_ada), std::nullopt);
+  Sessions later(file, clock);
+  EXPECT_EQ(later.count(), 1u);
+}
+
+TEST(HttpSessions, OfADamagedFileHaveEnded) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "sessions";
+  ASSERT_TRUE(core::write_file_atomically(file.string(), "\xff nonsense\n a b c\n"));
+  Sessions sessions(file);
+  EXPECT_EQ(sessions.count(), 0u);
+  EXPECT_EQ(sessions.token_digest(sessions.open("ada")), "ada");
 }
 
 TEST(HttpActivity, KeepsTheLastHours) {
