@@ -27,6 +27,8 @@ core::Result<std::string> submit_jobs(
     const std::function<core::Status(const std::string&)>& submitted_first) {
   if (auto uploaded = upload_scene(users); !uploaded) return core::fail(uploaded.error());
   v1::SubmitJobRequest request = request_of_scene(load.width_px, load.height_px, load.spp);
+  for (const std::string& layer : core::layer_names(load.layers))
+    request.mutable_overrides()->mutable_layers()->add_names(layer);
   std::string first;
   for (int job = 0; job < load.jobs; ++job) {
     request.set_name(fmt::format("simulated-{}", job));
@@ -67,8 +69,9 @@ void wait_until_done(v1::RenderService::Stub& users, double at_most_seconds) {
 
 core::Result<Figures> measure(const Load& load, const std::filesystem::path& coordinator_program) {
   const TemporaryFolder folder;
-  const auto coordinator = MeasuredCoordinator::start(
-      {coordinator_program, folder.path(), load.coordinator_core, load.film_gib, load.page_viewers > 0});
+  const auto coordinator =
+      MeasuredCoordinator::start({coordinator_program, folder.path(), load.coordinator_core,
+                                  load.coordinator_options, load.page_viewers > 0});
   if (!coordinator) return core::fail(coordinator.error());
   const auto channel = own_connection(coordinator->address());
   if (!channel) return core::fail(channel.error());
@@ -78,7 +81,7 @@ core::Result<Figures> measure(const Load& load, const std::filesystem::path& coo
   figures.before_jobs = coordinator->usage();
   PageViewers viewers;
   Tally tally([&viewers](const core::PixelRect& rect) { viewers.counted(rect); });
-  SimulatedWorkers workers(tally);
+  SimulatedWorkers workers(tally, load.layers);
   const bool is_shown = load.page_viewers > 0;
   if (is_shown)
     if (auto started = workers.start(load.workers, load.speed, coordinator->address()); !started)

@@ -11,6 +11,7 @@
 #include "bench/scale/simulated_worker.hpp"
 #include "bench/scale/tally.hpp"
 #include "core/base/error.hpp"
+#include "core/film/layers.hpp"
 
 namespace tessera::bench {
 
@@ -26,7 +27,8 @@ struct Load {
   // Measures until all jobs are done, but at most for the given time.
   bool until_done = false;
   std::optional<int> coordinator_core{};
-  std::string film_gib{};  // the coordinator's --max-film-gib; empty for its default
+  std::vector<std::string> coordinator_options{};
+  core::LayerSet layers{};  // of each job
   // Clients that watch the tiles of the first job.
   int watchers = 0;
   // Browsers that show it. Workers are there before the job then, as on a farm that waits for work.

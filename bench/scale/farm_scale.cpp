@@ -42,6 +42,9 @@ Load two_second_leases(int workers, double seconds) {
           .measured_seconds = seconds};
 }
 
+// Admits an image of 32,768 x 32,768 pixels, with little memory.
+const std::vector<std::string> kGigapixel{"--max-image-pixels", "1073741824", "--max-film-gib", "1.5"};
+
 std::vector<Load> loads(const Options& options) {
   const double seconds = options.seconds;
   const bench::Speed at_once{.samples_per_second = kTileSamples / 2, .takes_time = false};
@@ -85,6 +88,12 @@ std::vector<Load> loads(const Options& options) {
   hundred.jobs = 100;
   hundred.width_px = hundred.height_px = 1024;
   all.push_back(hundred);
+  Load thousands = two_second_leases(1000, seconds);
+  thousands.name = "10,000 jobs";
+  thousands.jobs = 10'000;
+  thousands.width_px = thousands.height_px = 512;
+  thousands.coordinator_options = {"--max-open-jobs", "20000"};
+  all.push_back(thousands);
   Load large = two_second_leases(1000, seconds);
   large.name = "16K x 16K";
   large.width_px = large.height_px = 16384;
@@ -105,7 +114,17 @@ std::vector<Load> loads(const Options& options) {
                  .spp = 1,
                  .measured_seconds = 3600,
                  .until_done = true,
-                 .film_gib = "1.5"});
+                 .coordinator_options = kGigapixel});
+  all.push_back({.name = "32K x 32K, four layers",
+                 .workers = 32,
+                 .speed = at_once,
+                 .width_px = 32768,
+                 .height_px = 32768,
+                 .spp = 1,
+                 .measured_seconds = 3600,
+                 .until_done = true,
+                 .coordinator_options = kGigapixel,
+                 .layers = *core::parse_layers("direct,indirect,emission,albedo")});
   return all;
 }
 

@@ -48,9 +48,7 @@ std::string read_file(const std::filesystem::path& path) {
                                      "1e9",
                                      "--http",
                                      options.has_page ? "127.0.0.1:0" : "off"};
-  if (!options.film_gib.empty())
-    arguments.insert(arguments.end(),
-                     {"--max-image-pixels", "1073741824", "--max-film-gib", options.film_gib.c_str()});
+  for (const std::string& option : options.more) arguments.push_back(option.c_str());
   arguments.push_back(nullptr);
   ::execv(options.program.c_str(), const_cast<char* const*>(arguments.data()));
   ::_exit(127);

@@ -30,8 +30,8 @@ class MeasuredCoordinator {
     std::filesystem::path folder;
     // The only core on which it may run; any if absent.
     std::optional<int> core;
-    // --max-film-gib; empty for the default.
-    std::string film_gib{};
+    // Further options of its command line.
+    std::vector<std::string> more{};
     // Whether it serves its page, on a free port.
     bool has_page = false;
   };

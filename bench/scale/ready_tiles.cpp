@@ -4,6 +4,7 @@
 #include <random>
 
 #include "core/film/film.hpp"
+#include "core/film/layout.hpp"
 #include "proto/tile_codec.hpp"
 
 namespace tessera::bench {
@@ -41,9 +42,17 @@ Odd odd_samples(const core::SampleRange& range) {
   return range.odd_count() == 0 ? kNone : range.odd_count() == range.count() ? kAll : kSome;
 }
 
-core::FilmTile noisy_tile(std::uint32_t seed, Odd odd) {
+// As of flat surfaces, which compress to next to nothing.
+void fill_planes(core::FilmTile& tile, std::uint32_t seed) {
+  constexpr std::uint64_t kStep = std::uint64_t{kSamples} << 20;
+  tile.planes.assign(core::film_layout(tile.layers).planes(), {});
+  for (core::Plane& plane : tile.planes) plane.assign(kTile.pixel_count(), (1 + seed++ % kVariants) * kStep);
+}
+
+core::FilmTile noisy_tile(std::uint32_t seed, Odd odd, const core::LayerSet& layers) {
   Noise noise(seed);
-  core::FilmTile tile(kTile, {0, kSamples});
+  core::FilmTile tile(kTile, {0, kSamples}, layers);
+  fill_planes(tile, seed);
   constexpr std::size_t kRow = std::size_t{core::kTilePx} * 3;
   for (std::size_t i = 0; i < tile.sums.size(); ++i) {
     const double across = static_cast<double>(i % kRow) / kRow,
@@ -57,11 +66,13 @@ core::FilmTile noisy_tile(std::uint32_t seed, Odd odd) {
 
 }  // namespace
 
-ReadyTiles::ReadyTiles() {
+ReadyTiles::ReadyTiles(const core::LayerSet& layers) {
   for (const Odd odd : {kNone, kSome, kAll})
     for (std::uint32_t seed = 0; seed < kVariants; ++seed) {
-      v1::RenderedItem item = proto::encode_tile(noisy_tile(seed, odd));
-      frames_[odd].push_back({std::move(*item.mutable_planes_zstd()), item.sums_xxh3()});
+      v1::RenderedItem item = proto::encode_tile(noisy_tile(seed, odd, layers));
+      frames_[odd].push_back({std::move(*item.mutable_planes_zstd()),
+                              {item.plane_words().begin(), item.plane_words().end()},
+                              item.sums_xxh3()});
     }
 }
 
@@ -75,6 +86,7 @@ v1::RenderedItem ReadyTiles::rendered(const proto::WorkItem& item, std::uint64_t
   v1::RenderedItem message;
   *message.mutable_item() = proto::to_proto(item);
   message.set_planes_zstd(frame.planes_zstd);
+  message.mutable_plane_words()->Assign(frame.plane_words.begin(), frame.plane_words.end());
   message.set_sums_xxh3(frame.sums_xxh3);
   *message.mutable_counters() = proto::to_proto(counters);
   return message;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/film/layers.hpp"
 #include "proto/convert.hpp"
 #include "tessera/v1/worker_service.pb.h"
 
@@ -15,7 +16,8 @@ namespace tessera::bench {
 
 class ReadyTiles {
  public:
-  ReadyTiles();
+  // With these layers, none of which may be a light group or have ids.
+  explicit ReadyTiles(const core::LayerSet& layers = {});
 
   // A valid result for the item, which must be a whole tile of 64 x 64 pixels. `variant` is any number; equal
   // ones give equal sums.
@@ -25,6 +27,7 @@ class ReadyTiles {
   // The sums of a tile as sent over the network.
   struct Frame {
     std::string planes_zstd;
+    std::vector<std::uint32_t> plane_words;
     std::uint64_t sums_xxh3 = 0;
   };
 

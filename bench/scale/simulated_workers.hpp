@@ -14,13 +14,15 @@
 #include "bench/scale/tally.hpp"
 #include "bench/scale/timeline.hpp"
 #include "core/base/error.hpp"
+#include "core/film/layers.hpp"
 
 namespace tessera::bench {
 
 class SimulatedWorkers {
  public:
-  // The tally must outlive it.
-  explicit SimulatedWorkers(Tally& tally) : tally_(tally) {}
+  // The tally must outlive it. `layers`: of all jobs.
+  explicit SimulatedWorkers(Tally& tally, const core::LayerSet& layers = {})
+      : tally_(tally), tiles_(layers) {}
   // Waits for the end of their calls.
   ~SimulatedWorkers();
   SimulatedWorkers(const SimulatedWorkers&) = delete;

@@ -18,11 +18,15 @@ class SumBuffer {
   explicit SumBuffer(std::size_t size) : size_(size) {}
 
   std::size_t size() const { return size_; }
-  // Takes the memory that add() of the same would take: add() then cannot fail.
+  // Takes the memory that add() of the same would take.
   void reserve(std::size_t begin, std::span<const std::uint64_t> terms);
+  // add() of what reserve() was called with last. Cannot fail.
+  void add_reserved(std::size_t begin, std::span<const std::uint64_t> terms) noexcept;
   // Adds to the sums from `begin` on, with saturation.
   void add(std::size_t begin, std::span<const std::uint64_t> terms);
   std::vector<std::uint64_t> values() const;
+  // Replaces the values by these, in the memory that they have.
+  void copy_to(std::vector<std::uint64_t>& values) const;
   std::size_t memory_bytes() const;
 
   bool operator==(const SumBuffer&) const = default;

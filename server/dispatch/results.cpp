@@ -124,8 +124,8 @@ farm::LeaseMessages new_leases(const StateLock& lock, const scheduler::SubmitRes
     return std::find(event.held.begin(), event.held.end(), lease.id) != event.held.end();
   });
   static const std::set<std::string> kNone;
-  const auto call = lock->waiting.find(event.worker.value);
-  return {lock, std::move(reply), call == lock->waiting.end() ? kNone : call->second.known_jobs};
+  const farm::WaitingCall* const call = lock->waiting.find(event.worker.value);
+  return {lock, std::move(reply), call == nullptr ? kNone : call->known_jobs};
 }
 
 // The fingerprint of the worker that rendered the result. Empty if it neither says so nor is registered, and

@@ -186,7 +186,7 @@ void decide_leases(StateLock& lock, const v1::SynchronizeRequest& request,
   const scheduler::Actions actions = lock->scheduler.handle(event, lock.now());
   if (!actions.status) {
     lock.apply(actions);
-    return farm::refuse(lock, caller, actions.status.error());
+    return farm::refuse(lock, std::move(caller), actions.status.error());
   }
   note_peer(lock, request, caller.principal.peer);
   note_cache(lock, request);
@@ -198,7 +198,7 @@ void decide_leases(StateLock& lock, const v1::SynchronizeRequest& request,
   });
   const bool nothing_left = request.draining() && reply.leases.empty();
   farm::answer(lock, request.worker_id(), reply);  // an earlier call of this worker
-  lock->waiting.emplace(request.worker_id(), std::move(call));
+  lock->waiting.add(request.worker_id(), std::move(call));
   if (reply.changed || lacks_spec || nothing_left) farm::answer(lock, request.worker_id(), reply);
   lock.apply(actions);
 }
@@ -214,7 +214,7 @@ void Dispatcher::synchronize(const v1::SynchronizeRequest& request, farm::Synchr
   StateLock lock(farm_);
   const core::Status possible = valid ? lock.expect_memory() : valid;
   const core::Status admitted = possible ? admit(lock, request, info, caller.principal.peer) : possible;
-  if (!admitted) return farm::refuse(lock, caller, admitted.error());
+  if (!admitted) return farm::refuse(lock, std::move(caller), admitted.error());
 
   scheduler::Synchronize event = event_of(lock, request, std::move(info), held, fetching);
   const std::optional<farm::Drain> drain = drain_of_earlier_run(lock, request.worker_id());

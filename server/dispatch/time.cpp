@@ -10,6 +10,7 @@
 
 #include "core/common/log.hpp"
 #include "server/dispatch/dispatcher.hpp"
+#include "server/farm/steps.hpp"
 
 namespace tessera::dispatch {
 
@@ -26,23 +27,27 @@ constexpr std::size_t kChecksAtOnce = 200;
 // A job may have no auditor for a moment between two leases.
 constexpr int kChecksUntilSaid = 5;
 
-// What is looked at under one hold of the state lock, and what of it is answered, which takes longer.
-constexpr std::size_t kLookedAtAtOnce = 256, kAnsweredAtOnce = 16;
+// How many calls are answered under one hold of the state lock, which takes longer than to look at them.
+constexpr std::size_t kAnsweredAtOnce = 16;
 
-// Answers calls that are due, from this worker's on. Returns where to go on; empty at the end.
-std::optional<std::string> answer_due_calls(StateLock& lock, const std::string& from, bool look_for_gone) {
-  // Callers that have gone are given nothing in any case; this only removes them.
-  std::vector<std::string> due;
-  std::size_t looked_at = 0;
-  auto next = lock->waiting.lower_bound(from);
-  for (; next != lock->waiting.end(); ++next) {
-    if (looked_at++ == kLookedAtAtOnce || due.size() == kAnsweredAtOnce) break;
-    const farm::WaitingCall& call = next->second;
-    if (call.deadline <= lock.now() || (look_for_gone && call.caller.is_gone())) due.push_back(next->first);
-  }
-  std::optional<std::string> rest;
-  if (next != lock->waiting.end()) rest = next->first;
+// Returns whether more may be due.
+bool answer_due_calls(StateLock& lock) {
+  const std::vector<std::string> due = lock->waiting.due(lock.now(), kAnsweredAtOnce);
   for (const std::string& worker : due) lock.apply(farm::top_up(lock, worker, true));
+  return due.size() == kAnsweredAtOnce;
+}
+
+// Callers that have gone are given nothing in any case; this only removes them. Looks at calls from this
+// worker's on. Returns where to go on; empty at the end.
+std::optional<std::string> remove_gone(StateLock& lock, const std::string& from) {
+  std::vector<std::string> gone;
+  const auto& calls = lock->waiting.all();
+  auto next = calls.lower_bound(from);
+  for (std::size_t i = 0; i < farm::kVisitedAtOnce && next != calls.end(); ++i, ++next)
+    if (next->second.caller.is_gone()) gone.push_back(next->first);
+  std::optional<std::string> rest;
+  if (next != calls.end()) rest = next->first;
+  for (const std::string& worker : gone) lock.apply(farm::top_up(lock, worker, true));
   return rest;
 }
 
@@ -50,33 +55,27 @@ std::optional<std::string> answer_due_calls(StateLock& lock, const std::string& 
 void note_lack_of_auditors(StateLock& lock, JobRecord& record) {
   if (!record.is_open) return;
   const std::string& id = record.spec->id();
-  const scheduler::JobView view = *lock->scheduler.job({id}, lock.now());
-  const bool waits = view.state == scheduler::JobState::kRunning && view.samples_done == view.samples_total &&
-                     view.active_workers == 0;
+  const bool waits = lock->scheduler.awaits_auditors({id});
   record.checks_without_auditor = waits ? record.checks_without_auditor + 1 : 0;
   if (record.checks_without_auditor != kChecksUntilSaid) return;
   lock.log(spdlog::level::warn,
            fmt::format("job {} ({}) lacks nothing but {} samples to verify: start a worker of another name "
                        "(--name), where workers have individual tokens with another token",
-                       id, record.spec->name(), view.samples_to_verify),
+                       id, record.spec->name(), lock->scheduler.job({id}, lock.now())->samples_to_verify),
            {.job = id});
 }
 
-// Looks at jobs from this one on. Returns where to go on; empty at the end.
-std::optional<std::string> note_lack_of_auditors(StateLock& lock, const std::string& from) {
-  auto next = lock->jobs.lower_bound(from);
-  for (std::size_t i = 0; i < kLookedAtAtOnce && next != lock->jobs.end(); ++i, ++next)
-    note_lack_of_auditors(lock, next->second);
-  if (next == lock->jobs.end()) return std::nullopt;
-  return next->first;
+void answer_due_calls(farm::Farm& farm) {
+  for (bool any_left = true; any_left;) {
+    StateLock lock(farm);
+    any_left = answer_due_calls(lock);
+  }
 }
 
-// Calls step(lock, from) from the start on, each time under a new hold of the lock, until it returns nothing.
-template <typename Step>
-void in_steps(farm::Farm& farm, Step step) {
+void remove_gone(farm::Farm& farm) {
   for (std::optional<std::string> next(""); next;) {
     StateLock lock(farm);
-    next = step(lock, *next);
+    next = remove_gone(lock, *next);
   }
 }
 
@@ -84,11 +83,12 @@ void in_steps(farm::Farm& farm, Step step) {
 
 bool Dispatcher::tick() {
   const bool check = advance_time();
-  in_steps(farm_,
-           [check](StateLock& lock, const std::string& from) { return answer_due_calls(lock, from, check); });
+  answer_due_calls(farm_);
+  if (check) remove_gone(farm_);
   if (check)
-    in_steps(farm_,
-             [](StateLock& lock, const std::string& from) { return note_lack_of_auditors(lock, from); });
+    farm::visit_in_steps(
+        farm_, &farm::State::jobs,
+        [](StateLock& lock, const std::string&, JobRecord& record) { note_lack_of_auditors(lock, record); });
   return StateLock(farm_)->checkpoint_is_awaited || film_memory_.is_scarce();
 }
 
@@ -106,10 +106,11 @@ bool Dispatcher::advance_time() {
 void Dispatcher::close() {
   StateLock lock(farm_);
   lock->closed = true;
-  for (auto& [worker, call] : lock->waiting)
-    farm::refuse(lock, call.caller,
+  while (lock->waiting.size() > 0) {
+    const std::string worker = lock->waiting.all().begin()->first;
+    farm::refuse(lock, lock->waiting.take(worker).caller,
                  {core::ErrorCode::kUnavailable, "the coordinator is stopping: try again"});
-  lock->waiting.clear();
+  }
 }
 
 }  // namespace tessera::dispatch

@@ -61,6 +61,11 @@ EventLog::Page EventLog::read(const Cursor& cursor, std::size_t most) const {
   return page;
 }
 
+bool EventLog::has_changes_after(const Cursor& cursor) const {
+  const core::MutexLock lock(mutex_);
+  return is_behind(cursor);
+}
+
 std::uint64_t EventLog::wakes() const {
   const core::MutexLock lock(mutex_);
   return wakes_;
@@ -69,9 +74,8 @@ std::uint64_t EventLog::wakes() const {
 void EventLog::wait(const Cursor& cursor, std::uint64_t wakes) {
   core::MutexLock lock(mutex_);
   ++waiting_;
-  appended_.wait(lock.native(), [&]() TESSERA_REQUIRES(mutex_) {
-    return wakes_ != wakes || (!order_.empty() && order_.rbegin()->first > cursor.revision);
-  });
+  appended_.wait(lock.native(),
+                 [&]() TESSERA_REQUIRES(mutex_) { return wakes_ != wakes || is_behind(cursor); });
   --waiting_;
 }
 

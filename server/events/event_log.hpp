@@ -65,6 +65,8 @@ class EventLog {
   // At most `most` subjects that changed after `cursor`.
   Page read(const Cursor& cursor, std::size_t most) const;
 
+  bool has_changes_after(const Cursor& cursor) const;
+
   // How often wake() was called.
   std::uint64_t wakes() const;
   // Blocks until there is a change after `cursor`, or wake() has been called more often than `wakes` times.
@@ -86,6 +88,9 @@ class EventLog {
   };
 
   Revision append(Subject subject, bool has_ended);
+  bool is_behind(const Cursor& cursor) const TESSERA_REQUIRES(mutex_) {
+    return !order_.empty() && order_.rbegin()->first > cursor.revision;
+  }
   void forget_ended() TESSERA_REQUIRES(mutex_);
   // Whether a subject ended with this revision and has not changed since.
   bool has_ended_at(Revision revision) const TESSERA_REQUIRES(mutex_);

@@ -96,7 +96,7 @@ struct State {
   // The unfinished jobs of each owner, with those that are being submitted (jobs/quota.hpp) or validated.
   // Without zeros.
   std::map<std::string, std::int64_t> open_jobs;
-  std::map<std::string, WaitingCall> waiting;  // by worker
+  WaitingCalls waiting;
   // Workers to which new work is offered next; the lock is released in between.
   std::deque<std::string> to_offer;
   Quarantine quarantine;

@@ -8,6 +8,36 @@
 
 namespace tessera::farm {
 
+void WaitingCalls::add(const std::string& worker, WaitingCall call) {
+  by_deadline_.emplace(call.deadline, worker);
+  calls_.emplace(worker, std::move(call));
+}
+
+WaitingCall* WaitingCalls::find(const std::string& worker) {
+  const auto found = calls_.find(worker);
+  return found == calls_.end() ? nullptr : &found->second;
+}
+
+const WaitingCall* WaitingCalls::find(const std::string& worker) const {
+  const auto found = calls_.find(worker);
+  return found == calls_.end() ? nullptr : &found->second;
+}
+
+WaitingCall WaitingCalls::take(const std::string& worker) {
+  auto taken = calls_.extract(worker);
+  by_deadline_.erase({taken.mapped().deadline, worker});
+  return std::move(taken.mapped());
+}
+
+std::vector<std::string> WaitingCalls::due(scheduler::Time now, std::size_t most) const {
+  std::vector<std::string> workers;
+  for (auto next = by_deadline_.begin(); next != by_deadline_.end() && workers.size() < most; ++next) {
+    if (next->first > now) break;
+    workers.push_back(next->second);
+  }
+  return workers;
+}
+
 LeaseMessages::LeaseMessages(const StateLock& lock, scheduler::Reply reply,
                              const std::set<std::string>& known_jobs)
     : reply_(std::move(reply)) {
@@ -37,28 +67,26 @@ v1::SynchronizeResponse LeaseMessages::build() const {
 }
 
 void answer(StateLock& lock, const std::string& worker, const scheduler::Reply& reply) {
-  auto call = lock->waiting.extract(worker);
-  if (call.empty()) return;
-  lock.later([answer = std::move(call.mapped().caller.answer),
-              messages = LeaseMessages(lock, reply, call.mapped().known_jobs)] { answer(messages.build()); });
+  if (lock->waiting.find(worker) == nullptr) return;
+  WaitingCall call = lock->waiting.take(worker);
+  lock.later([answer = std::move(call.caller.answer),
+              messages = LeaseMessages(lock, reply, call.known_jobs)] { answer(messages.build()); });
 }
 
-void refuse(StateLock& lock, SynchronizeCaller& caller, const core::Error& error) {
+void refuse(StateLock& lock, SynchronizeCaller caller, const core::Error& error) {
   lock.later([answer = std::move(caller.answer), error] { answer(core::fail(error)); });
 }
 
 scheduler::Actions top_up(StateLock& lock, const std::string& worker, bool answer_unchanged) noexcept {
-  const auto call = lock->waiting.find(worker);
-  if (call == lock->waiting.end()) return {};
-  if (call->second.caller.is_gone()) {
-    refuse(lock, call->second.caller, {core::ErrorCode::kCancelled, "the caller has gone"});
-    lock->waiting.erase(call);
+  const WaitingCall* const call = lock->waiting.find(worker);
+  if (call == nullptr) return {};
+  if (call->caller.is_gone()) {
+    refuse(lock, lock->waiting.take(worker).caller, {core::ErrorCode::kCancelled, "the caller has gone"});
     return {};
   }
   scheduler::Actions actions = lock->scheduler.handle(scheduler::TopUp{{worker}}, lock.now());
   if (!actions.status) {
-    refuse(lock, call->second.caller, actions.status.error());
-    lock->waiting.erase(call);
+    refuse(lock, lock->waiting.take(worker).caller, actions.status.error());
   } else if (actions.reply->changed || answer_unchanged) {
     answer(lock, worker, *actions.reply);
   }

@@ -3,11 +3,14 @@
 // worker, or its heartbeat is due. Guarded by the state lock.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <map>
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/base/error.hpp"
 #include "server/scheduler/events.hpp"
@@ -43,6 +46,27 @@ struct WaitingCall {
   scheduler::Time deadline;
 };
 
+// By worker, and by the time at which they are due.
+class WaitingCalls {
+ public:
+  // The worker must have none.
+  void add(const std::string& worker, WaitingCall call);
+  // Null if the worker has none.
+  WaitingCall* find(const std::string& worker);
+  const WaitingCall* find(const std::string& worker) const;
+  // Removes the call of a worker that has one.
+  WaitingCall take(const std::string& worker);
+
+  // The workers whose calls are due, the most overdue first; at most so many.
+  std::vector<std::string> due(scheduler::Time now, std::size_t most) const;
+  const std::map<std::string, WaitingCall>& all() const { return calls_; }
+  std::size_t size() const { return calls_.size(); }
+
+ private:
+  std::map<std::string, WaitingCall> calls_;
+  std::set<std::pair<scheduler::Time, std::string>> by_deadline_;
+};
+
 // What a worker is told, without the lock: leases, and the jobs among them that it does not know.
 class LeaseMessages {
  public:
@@ -61,7 +85,7 @@ class LeaseMessages {
 // Answers the waiting call of a worker, if there is one.
 void answer(StateLock& lock, const std::string& worker, const scheduler::Reply& reply);
 // Answers a caller with an error.
-void refuse(StateLock& lock, SynchronizeCaller& caller, const core::Error& error);
+void refuse(StateLock& lock, SynchronizeCaller caller, const core::Error& error);
 // Offers new work to a worker whose call waits; `answer_unchanged`: answers the call in any case. Returns
 // what the caller must apply.
 scheduler::Actions top_up(StateLock& lock, const std::string& worker, bool answer_unchanged) noexcept;

@@ -73,7 +73,7 @@ scheduler::Fingerprint Fingerprinter::of(const core::FilmTile& tile) const {
     }
   };
   take(tile.sums, coefficients_.data());
-  take(tile.odd_sums, coefficients_.data() + kMaxSums);
+  if (tile.range.odd_count() > 0) take(tile.odd_sums, coefficients_.data() + kMaxSums);
   float bound = largest == core::kFilmSaturated ? kCutOff : static_cast<float>(largest);
   add_planes(tile, total, bound);
   return {static_cast<std::uint64_t>(total), static_cast<std::uint64_t>(total >> 64), bound};

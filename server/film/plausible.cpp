@@ -33,20 +33,35 @@ core::Status check_first_non_finite(const core::FilmTile& tile) {
   return fail(ErrorCode::kInvalidArgument, "counters.first_non_finite: is no sample of this item");
 }
 
+struct OddCounts {
+  bool none = false, all = false;  // whether none, or all, of the samples are odd
+};
+
+bool is_possible(std::uint64_t sum, std::uint64_t odd, const OddCounts& counts) {
+  return odd <= sum && (!counts.none || odd == 0) && (!counts.all || odd == sum);
+}
+
+// The same of all sums, without a branch for each.
+bool are_possible(const core::FilmTile& tile, const OddCounts& counts) {
+  std::uint64_t above = 0, odd = 0, different = 0;
+  for (std::size_t i = 0; i < tile.sums.size(); ++i) {
+    above |= static_cast<std::uint64_t>(tile.odd_sums[i] > tile.sums[i]);
+    odd |= tile.odd_sums[i];
+    different |= tile.odd_sums[i] ^ tile.sums[i];
+  }
+  return above == 0 && (!counts.none || odd == 0) && (!counts.all || different == 0);
+}
+
 // The sums of the odd samples, which are a subset of all samples.
 core::Status check_odd_sums(const core::FilmTile& tile) {
-  const bool none_odd = tile.range.odd_count() == 0;
-  const bool all_odd = tile.range.odd_count() == tile.range.count();
-  for (std::size_t i = 0; i < tile.sums.size(); ++i) {
-    const std::uint64_t sum = tile.sums[i], odd = tile.odd_sums[i];
-    const bool possible = odd <= sum && (!none_odd || odd == 0) && (!all_odd || odd == sum);
-    if (possible) continue;
-    return fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("sums: number {} is {}, and that of its {} odd-numbered samples {}, which cannot be", i,
-                    sum, tile.range.odd_count(), odd));
-  }
-  return {};
+  const OddCounts counts{tile.range.odd_count() == 0, tile.range.odd_count() == tile.range.count()};
+  if (are_possible(tile, counts)) return {};
+  std::size_t i = 0;
+  while (is_possible(tile.sums[i], tile.odd_sums[i], counts)) ++i;
+  return fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("sums: number {} is {}, and that of its {} odd-numbered samples {}, which cannot be", i,
+                  tile.sums[i], tile.range.odd_count(), tile.odd_sums[i]));
 }
 
 // A saturated sample, or one that is black because it was not finite, is counted.

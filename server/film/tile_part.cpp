@@ -39,8 +39,8 @@ void TilePart::add_sums(const std::vector<std::uint64_t>& sums, const std::vecto
   if (!planes.empty()) core::add_planes(*layout_, all_planes, rect_, planes, rect_);
   sums_.reserve(0, sums);
   odd_sums_.reserve(0, odd_sums);
-  sums_.add(0, sums);
-  odd_sums_.add(0, odd_sums);
+  sums_.add_reserved(0, sums);
+  odd_sums_.add_reserved(0, odd_sums);
   planes_ = std::move(all_planes);
   samples_ = std::move(all);
   counters_.add(counters);
@@ -55,12 +55,20 @@ void TilePart::count_memory() {
 }
 
 core::Film::TileSums TilePart::sums() const {
-  core::Film::TileSums result{sums_.values(), odd_sums_.values(), 0, 0, planes_};
-  for (const core::SampleRange& range : samples_.ranges()) {
-    result.samples += range.count();
-    result.odd_samples += range.odd_count();
-  }
+  core::Film::TileSums result;
+  copy_to(result);
   return result;
+}
+
+void TilePart::copy_to(core::Film::TileSums& to) const {
+  sums_.copy_to(to.sums);
+  odd_sums_.copy_to(to.odd_sums);
+  to.planes = planes_;
+  to.samples = to.odd_samples = 0;
+  for (const core::SampleRange& range : samples_.ranges()) {
+    to.samples += range.count();
+    to.odd_samples += range.odd_count();
+  }
 }
 
 }  // namespace tessera::film

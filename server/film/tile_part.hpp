@@ -40,6 +40,8 @@ class TilePart {
   const scheduler::IntervalSet& samples() const { return samples_; }
   const core::RenderCounters& counters() const { return counters_; }
   core::Film::TileSums sums() const;
+  // The same in the memory of an earlier result.
+  void copy_to(core::Film::TileSums& sums) const;
 
  private:
   void add_sums(const std::vector<std::uint64_t>& sums, const std::vector<std::uint64_t>& odd_sums,

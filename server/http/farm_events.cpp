@@ -64,14 +64,21 @@ class FarmEvents final : public http::BodySource, private rpc::Watcher {
   static constexpr std::chrono::seconds kKeepAlive{15};
 
   State append_update(std::string& out) {
-    const auto update = call_->coordinator().farm_feed().after(cursor_);
-    cursor_ = update->next;
-    if (!update->is_empty()) out += *call_->context.event_texts.of(update);
-    return update->message.is_current() ? State::kWait : State::kMore;
+    watch::FarmFeed& feed = call_->coordinator().farm_feed();
+    const auto update = feed.after(cursor_);
+    if (!update) return State::kEnd;  // the client connects again
+    cursor_ = (*update)->next;
+    if (!(*update)->is_empty()) out += *call_->context.event_texts.of(*update);
+    if (!(*update)->message.is_current()) return State::kMore;
+    if (feed.has_changes_after(cursor_)) {
+      is_behind_ = true;
+      call_->services().watches.request_round();
+    }
+    return State::kWait;
   }
   const std::string& job_id() const override { return everything_; }
   bool notify(bool changed) override {
-    if (changed) {
+    if (is_behind_.exchange(false) || changed) {
       is_due_ = true;
       wake_();
     }
@@ -87,7 +94,9 @@ class FarmEvents final : public http::BodySource, private rpc::Watcher {
   const std::string everything_;
   events::Cursor cursor_;
   http::Wake wake_;  // set once, before it is notified
-  std::atomic<bool> is_due_{true}, is_closed_{false};
+  // Whether to look for changes now, or in the next round.
+  std::atomic<bool> is_due_{true}, is_behind_{false};
+  std::atomic<bool> is_closed_{false};
   Clock::time_point last_sent_ = Clock::now();
 };
 

@@ -8,7 +8,7 @@
 
 #include "core/common/log.hpp"
 #include "server/farm/state_lock.hpp"
-#include "server/film/tile_row.hpp"
+#include "server/farm/steps.hpp"
 
 namespace tessera::jobs {
 
@@ -30,6 +30,13 @@ void in_parts(const std::set<std::string>& ids, Look look) {
     look(first, last);
     first = last;
   }
+}
+
+std::set<std::string> ids_of_jobs(farm::Farm& farm) {
+  std::set<std::string> ids;
+  farm::visit_in_steps(farm, &farm::State::jobs,
+                       [&](const StateLock&, const std::string& id, const JobRecord&) { ids.insert(id); });
+  return ids;
 }
 
 }  // namespace
@@ -63,10 +70,7 @@ void Checkpointer::read_events() {
   StateLock(farm_)->checkpoint_is_awaited = false;
   for (bool is_last = false; !is_last;) {
     const events::EventLog::Page page = farm_.events().read(cursor_, kJobsAtOnce);
-    if (page.reset) {
-      const StateLock lock(farm_);
-      for (const auto& [id, record] : lock->jobs) pending_.insert(id);
-    }
+    if (page.reset) pending_.merge(ids_of_jobs(farm_));
     for (const events::Subject& subject : page.subjects)
       if (subject.kind == events::SubjectKind::kJob) pending_.insert(subject.id);
     cursor_ = page.next;
@@ -141,19 +145,21 @@ void Checkpointer::take(const FilmOfJob& film, int tile, TileBatch& batch) {
 
 core::Result<store::TileRow> Checkpointer::encode(const FilmOfJob& film, TakenTile& tile) {
   const film::TileSnapshot& parts = tile.to_store.parts;
-  film::TileContent content{{}, tile.to_store.counters, {}};
-  if (parts.stored.empty()) {
-    if (parts.storing) content.sums = parts.storing->sums();
-  } else {
+  if (!parts.stored.empty()) {
     auto whole = films_.whole(*film.spec, tile.tile, tile.to_store);
     if (!whole) return core::fail(whole.error());
     tile.whole = std::move(*whole);
-    content.sums = tile.whole->sums();
   }
-  content.provenance = provenance_of(film, tile.tile);
-  film.film->note_producers(content.provenance.items);
+  const film::TilePart* const all = tile.whole ? tile.whole.get() : parts.storing.get();
+  if (all != nullptr)
+    all->copy_to(content_.sums);
+  else
+    content_.sums = {};
+  content_.counters = tile.to_store.counters;
+  content_.provenance = provenance_of(film, tile.tile);
+  film.film->note_producers(content_.provenance.items);
   store::TileRow row = film::encode_tile_row(film.spec->id(), tile.tile, film.film->grid().rect(tile.tile),
-                                             tile.to_store.samples.ranges(), content);
+                                             tile.to_store.samples.ranges(), content_);
   row.revision = parts.revision;
   return row;
 }

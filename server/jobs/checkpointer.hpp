@@ -19,6 +19,7 @@
 #include "server/farm/farm.hpp"
 #include "server/film/fingerprinter.hpp"
 #include "server/film/job_film.hpp"
+#include "server/film/tile_row.hpp"
 #include "server/jobs/checkpoint_stats.hpp"
 #include "server/jobs/film_reader.hpp"
 #include "server/jobs/tile_batch.hpp"
@@ -56,7 +57,7 @@ class Checkpointer {
   // Adds the tile to the batch, if it can be read.
   void take(const FilmOfJob& film, int tile, TileBatch& batch) TESSERA_REQUIRES(mutex_);
   // DATA_LOSS if the store has lost samples of the tile.
-  core::Result<store::TileRow> encode(const FilmOfJob& film, TakenTile& tile);
+  core::Result<store::TileRow> encode(const FilmOfJob& film, TakenTile& tile) TESSERA_REQUIRES(mutex_);
   // Read after the samples: it may know more of them than the tile has, and never fewer.
   film::Produced provenance_of(const FilmOfJob& film, int tile);
   void note_unreadable(const FilmOfJob& film, int tile, const core::Error& error) TESSERA_REQUIRES(mutex_);
@@ -82,6 +83,7 @@ class Checkpointer {
   core::Mutex mutex_;  // held while a checkpoint is written
   events::Cursor cursor_ TESSERA_GUARDED_BY(mutex_);
   std::set<std::string> pending_ TESSERA_GUARDED_BY(mutex_);  // jobs that may have something to store
+  film::TileContent content_ TESSERA_GUARDED_BY(mutex_);      // of the last tile: its memory is used again
   // Found during this checkpoint:
   // Jobs with tiles that could not be stored: their rows wait.
   std::set<std::string> held_back_ TESSERA_GUARDED_BY(mutex_);

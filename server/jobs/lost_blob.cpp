@@ -6,6 +6,7 @@
 #include <map>
 
 #include "proto/blob.hpp"
+#include "server/farm/steps.hpp"
 #include "server/jobs/job_service.hpp"
 
 namespace tessera::jobs {
@@ -29,10 +30,12 @@ bool is_lost(const core::Error& error) {
   return error.code == ErrorCode::kDataLoss || error.code == ErrorCode::kNotFound;
 }
 
-std::vector<std::shared_ptr<const v1::Job>> unfinished_jobs(const StateLock& lock) {
+std::vector<std::shared_ptr<const v1::Job>> unfinished_jobs(farm::Farm& farm) {
   std::vector<std::shared_ptr<const v1::Job>> specs;
-  for (const auto& [id, record] : lock->jobs)
-    if (record.is_open) specs.push_back(record.spec);
+  farm::visit_in_steps(farm, &farm::State::jobs,
+                       [&](const StateLock&, const std::string&, const farm::JobRecord& record) {
+                         if (record.is_open) specs.push_back(record.spec);
+                       });
   return specs;
 }
 
@@ -45,7 +48,7 @@ void JobService::blob_is_lost(const proto::Digest& digest, const core::Error& no
   if (intact || !is_lost(intact.error())) return;
   const core::Error& error = intact.error();
   std::map<std::string, std::string> failures;
-  for (const auto& spec : unfinished_jobs(StateLock(farm_))) {
+  for (const auto& spec : unfinished_jobs(farm_)) {
     if (const v1::Bundle::Asset* asset = find_asset(spec->bundle(), digest)) {
       failures[spec->id()] = fmt::format(
           "{}: the coordinator has lost this file ({}): submit the scene again, and look into the "
@@ -57,9 +60,9 @@ void JobService::blob_is_lost(const proto::Digest& digest, const core::Error& no
     spdlog::error("{}", error.message);
     state_.blobs.discard(digest);
   }
-  StateLock lock(farm_);
   for (const auto& [id, failure] : failures)
-    lock.handle(scheduler::FailJob{{id}, failure, {scheduler::FailureReason::kFileLost, std::nullopt, {}}});
+    StateLock(farm_).handle(
+        scheduler::FailJob{{id}, failure, {scheduler::FailureReason::kFileLost, std::nullopt, {}}});
 }
 
 }  // namespace tessera::jobs

@@ -15,6 +15,7 @@
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
 #include "server/base/wall_clock.hpp"
+#include "server/farm/steps.hpp"
 #include "server/jobs/admission.hpp"
 #include "server/jobs/job_service.hpp"
 
@@ -130,10 +131,12 @@ core::Result<v1::Job> JobService::check_scene(const Validation& task) {
 }
 
 std::vector<UnvalidatedJob> JobService::unvalidated() {
-  const StateLock lock(farm_);
   std::vector<UnvalidatedJob> jobs;
-  for (const auto& [id, job] : lock->validating)
-    if (!job.is_queued && job.next_attempt <= lock.now()) jobs.push_back({id, job.spec->owner()});
+  farm::visit_in_steps(farm_, &farm::State::validating,
+                       [&](const StateLock& lock, const std::string& id, const ValidatingJob& job) {
+                         if (!job.is_queued && job.next_attempt <= lock.now())
+                           jobs.push_back({id, job.spec->owner()});
+                       });
   return jobs;
 }
 

@@ -34,12 +34,16 @@ core::Result<WatchStream::Step> WatchJobCall::next() {
 core::Result<WatchStream::Step> WatchFarmCall::next() {
   const bool is_first = !update_;
   const events::Cursor cursor = is_first ? watch::from_token(request_.resume_token()) : update_->next;
-  auto update = coordinator().farm_feed().after(cursor);
+  watch::FarmFeed& feed = coordinator().farm_feed();
+  auto update = feed.after(cursor);
+  if (!update) return core::fail(update.error());
   Step step;
-  if (update->is_empty() && !is_first) return step;
-  update_ = std::move(update);
+  const bool is_current = (*update)->message.is_current();
+  step.has_more = !is_current || feed.has_changes_after((*update)->next);
+  if (is_current && step.has_more) step.pause = WatchHub::kShortestRound;
+  if ((*update)->is_empty() && !is_first) return step;
+  update_ = *std::move(update);
   step.message = &update_->message;
-  step.has_more = !update_->message.is_current();
   return step;
 }
 

@@ -7,7 +7,6 @@ namespace tessera::rpc {
 
 namespace {
 
-constexpr auto kShortestRound = std::chrono::milliseconds(100);
 constexpr std::size_t kEventsAtOnce = 256;
 
 }  // namespace

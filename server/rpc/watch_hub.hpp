@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <set>
 #include <string>
@@ -30,6 +31,9 @@ class Watcher {
 
 class WatchHub {
  public:
+  // Rounds, in which watchers learn of changes, follow each other at this distance at least.
+  static constexpr std::chrono::milliseconds kShortestRound{100};
+
   explicit WatchHub(events::EventLog& log);
   ~WatchHub();
 

@@ -4,9 +4,9 @@
 #pragma once
 
 #include <deque>
+#include <future>
 #include <memory>
 #include <string>
-#include <utility>
 
 #include "core/base/mutex.hpp"
 #include "server/dispatch/dispatcher.hpp"
@@ -35,19 +35,33 @@ class FarmFeed {
   FarmFeed(const events::EventLog& log, jobs::JobService& jobs, dispatch::Dispatcher& dispatcher)
       : log_(log), jobs_(jobs), dispatcher_(dispatcher) {}
 
-  // The changes after the cursor, or the first of them.
-  std::shared_ptr<const FarmUpdate> after(const events::Cursor& cursor);
+  using Update = core::Result<std::shared_ptr<const FarmUpdate>>;
+
+  // The changes after the cursor, or the first of them. They may have been read a moment ago, for somebody
+  // else: has_changes_after() their end tells whether there are more. Fails if a job cannot be read from the
+  // store.
+  Update after(const events::Cursor& cursor);
+  bool has_changes_after(const events::Cursor& cursor) const { return log_.has_changes_after(cursor); }
 
  private:
-  void add_job(const std::string& id, v1::WatchFarmResponse& message);
+  // An update that is made, or is being made by one of those who wait for it.
+  struct Shared {
+    events::Cursor from;
+    std::shared_future<Update> update;
+  };
+
+  Update make(const events::Cursor& cursor);
+  // Empty if the caller must make it.
+  std::shared_future<Update> find_or_enter(const events::Cursor& cursor, std::promise<Update>& promise);
+  void remove(const events::Cursor& cursor);
+  core::Status add_job(const std::string& id, v1::WatchFarmResponse& message);
   void add_worker(const std::string& id, v1::WatchFarmResponse& message);
 
   const events::EventLog& log_;
   jobs::JobService& jobs_;
   dispatch::Dispatcher& dispatcher_;
   core::Mutex mutex_;
-  // The last updates with their cursors.
-  std::deque<std::pair<events::Cursor, std::shared_ptr<const FarmUpdate>>> last_ TESSERA_GUARDED_BY(mutex_);
+  std::deque<Shared> last_ TESSERA_GUARDED_BY(mutex_);  // the latest first
 };
 
 }  // namespace tessera::watch

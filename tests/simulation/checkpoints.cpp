@@ -27,6 +27,7 @@ JobRow Coordinator::row_of(const JobId& id) {
 
 void Coordinator::checkpoint(std::uint64_t run) {
   if (!up() || run != run_) return;
+  save_fleet();
   Checkpoint checkpoint;
   for (const Disk::StoredJob& job : disk_.jobs()) {
     if (released_.contains(job.id)) continue;
@@ -77,7 +78,6 @@ void Coordinator::finish(const Checkpoint& checkpoint) {
     if (disk_.stored(id) != nullptr && !disk_.update(id, row)) return;
   }
   disk_.checkpoint_is_complete();
-  quarantine_.store();
 }
 
 }  // namespace tessera::simulation

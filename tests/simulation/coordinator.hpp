@@ -65,6 +65,9 @@ class Coordinator {
   void undo_drains();
   // Lifts an entry of the quarantine, with those that belong to it. False if there is none.
   bool lift_any(Random& random);
+  // Stores the quarantine, as every checkpoint does before it writes tiles, and every change by an
+  // administrator.
+  void save_fleet();
   // Takes no samples during this time: workers must deliver them again.
   void films_lack_memory(Duration duration);
   // The store has lost a tile of a job.

@@ -32,6 +32,7 @@ void Coordinator::drain_any(Random& random) {
   world_.note(fmt::format("worker {} is {}", chosen->info.id.value, stop ? "stopped" : "drained"));
   drains_[chosen->info.id] = {.stop = stop};
   drain(chosen->info.id);
+  save_fleet();
 }
 
 void Coordinator::drain(const WorkerId& worker) {
@@ -92,7 +93,12 @@ bool Coordinator::lift_any(Random& random) {
     world_.note(fmt::format("the quarantine of {} is lifted", called(producer)));
     handle(Trust{producer});
   }
+  save_fleet();
   return true;
+}
+
+void Coordinator::save_fleet() {
+  if (!disk_.refuses()) quarantine_.store();
 }
 
 // ---- Films without memory ----

@@ -53,14 +53,16 @@ class Puppet {
     coordinator_.synchronize({.worker = info_, .held = held_, .wanted_leases = wanted_},
                              [this](const Reply& reply) { held_ = reply.leases; });
   }
-  // Delivers all that it holds. With `lie`, all sums are wrong.
+  // Delivers all that it holds, and keeps what the coordinator does not take. With `lie`, all sums are wrong.
   void deliver(bool lie = false) {
-    for (const LeaseDescription& lease : std::exchange(held_, {})) {
+    for (const LeaseDescription& lease : std::vector<LeaseDescription>(held_)) {
       SubmitResult result{info_.id, lease.job, lease.id, lease.items, 1, true, "", {}, {}, lease.token};
       for (const WorkItem& item : lease.items)
         result.fingerprints.push_back(wrong_sums(lease.job, item, lie ? kLie : 0));
       result.principal = info_.principal;
-      coordinator_.submit_result(result, [](const std::optional<Reply>&) {});
+      coordinator_.submit_result(result, [this, id = lease.id](const std::optional<Reply>&) {
+        std::erase_if(held_, [id](const LeaseDescription& held) { return held.id == id; });
+      });
     }
   }
   // Its process starts again and has lost everything.
@@ -95,6 +97,8 @@ class ScriptedFarm {
   void the_last_auditor_leaves();
   void a_principal_is_quarantined();
   void a_result_comes_before_its_worker();
+  void a_crash_follows_a_quarantine();
+  void results_wait_for_long();
 
  private:
   double elapsed() const { return std::chrono::duration<double>(world_.now().time_since_epoch()).count(); }
@@ -235,6 +239,41 @@ void ScriptedFarm::a_result_comes_before_its_worker() {
   expect_state("1", JobState::kDone);
 }
 
+// The quarantine is stored, and no tile since: what the worker has rendered must still be verified.
+void ScriptedFarm::a_crash_follows_a_quarantine() {
+  Puppet liar(coordinator_, "m0", "p0"), first(coordinator_, "m2", "p2"), second(coordinator_, "m3", "p3");
+  begin_with_lie(liar);
+  liar.deliver(true);
+  pass(kStoredSeconds, {&first, &second});
+  coordinator_.quarantined(producer_of(liar.info()));
+  coordinator_.save_fleet();
+  coordinator_.crash();
+  coordinator_.start();
+  first.forget();
+  second.forget();
+  finish("1", {&first, &second});
+  expect_state("1", JobState::kDone);
+}
+
+// For longer than a worker may hold leases without progress.
+void ScriptedFarm::results_wait_for_long() {
+  Puppet worker(coordinator_, "m0", "p0");
+  coordinator_.command(SubmitJob{{"1"}, small_job()});
+  worker.call();
+  worker.call();
+  const Duration wait = 3 * patience(Options().lease_duration, 0);
+  coordinator_.films_lack_memory(wait);
+  const double end = elapsed() + std::chrono::duration<double>(wait).count();
+  while (elapsed() + kHeartbeatSeconds < end && !world_.failure()) {
+    worker.deliver();
+    pass(kHeartbeatSeconds, {&worker});
+    if (!worker.holds_any()) world_.fail("a worker has lost its leases while its results had to wait");
+  }
+  pass(kHeartbeatSeconds, {&worker});
+  finish("1", {&worker});
+  expect_state("1", JobState::kDone);
+}
+
 }  // namespace
 
 FarmReport simulate_scripted_farm(std::uint64_t seed, bool verbose) {
@@ -249,6 +288,8 @@ FarmReport simulate_scripted_farm(std::uint64_t seed, bool verbose) {
       {&ScriptedFarm::the_last_auditor_leaves, 1},
       {&ScriptedFarm::a_principal_is_quarantined, kHardlyAny},
       {&ScriptedFarm::a_result_comes_before_its_worker, kHardlyAny},
+      {&ScriptedFarm::a_crash_follows_a_quarantine, kHardlyAny},
+      {&ScriptedFarm::results_wait_for_long, 0},
   }};
   const Script& script = kAll[seed / 100 % kScripts];
   ScriptedFarm farm(seed, verbose, script.audit_share);

@@ -25,11 +25,11 @@ class Follower {
   int catch_up() {
     int messages = 0;
     for (;;) {
-      const auto update = feed_->after(watch::from_token(token_));
+      const auto update = feed_->after(watch::from_token(token_)).value();
       if (update->is_empty()) return messages;
       ++messages;
       apply(update->message);
-      if (update->message.is_current()) return messages;
+      if (!feed_->has_changes_after(update->next)) return messages;
     }
   }
 
@@ -180,9 +180,22 @@ TEST_F(FarmFeed, EncodesAMessageOnceForAllSubscribers) {
   submit();
   Follower other(coordinator().farm_feed());
   follower_.catch_up();
-  const auto cursor = coordinator().farm_feed().after({})->next;
+  const auto cursor = coordinator().farm_feed().after({}).value()->next;
   submit();
-  EXPECT_EQ(coordinator().farm_feed().after(cursor), coordinator().farm_feed().after(cursor));
+  EXPECT_EQ(coordinator().farm_feed().after(cursor).value(), coordinator().farm_feed().after(cursor).value());
+}
+
+// It is sent what was read for another one, which has become incomplete meanwhile.
+TEST_F(FarmFeed, ASlowSubscriberMissesNothing) {
+  Follower slow(coordinator().farm_feed());
+  follower_.catch_up();
+  slow.catch_up();
+  submit();
+  follower_.catch_up();
+  submit();
+  slow.catch_up();
+  EXPECT_THAT(slow.jobs, SizeIs(2));
+  EXPECT_EQ(slow.catch_up(), 0);
 }
 
 TEST(FarmToken, IsReadBack) {

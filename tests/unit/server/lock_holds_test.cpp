@@ -115,7 +115,7 @@ class LockHolds : public ScriptedFarm {
     std::size_t jobs = 0, workers = 0;
     events::Cursor cursor;
     for (bool is_current = false; !is_current;) {
-      const auto update = coordinator().farm_feed().after(cursor);
+      const auto update = coordinator().farm_feed().after(cursor).value();
       jobs += static_cast<std::size_t>(update->message.jobs_size());
       workers += static_cast<std::size_t>(update->message.workers_size());
       is_current = update->message.is_current();
@@ -218,6 +218,20 @@ TEST_F(LockHolds, AreShortWhenAThousandWorkersAreAnsweredOrLostAtOnce) {
   for (int tick = 0; tick < kWorkers && silent_workers() < kWorkers; ++tick)
     coordinator().dispatcher().tick();
   EXPECT_EQ(silent_workers(), kWorkers);
+  const auto [beyond, text] = holds_beyond(kLongestHold);
+  EXPECT_EQ(beyond, 0u) << text;
+}
+
+TEST_F(LockHolds, AreShortWhenAThousandJobsFailForALostFile) {
+  std::vector<std::string> ids;
+  for (int i = 0; i < kJobs; ++i) ids.push_back(submit());
+  const std::vector<WaitingCall> calls = call_of_each_worker();
+  const proto::Digest scene = proto::digest_of(kSceneBytes);
+  coordinator().blobs().discard(scene);
+  begin_to_count();
+  coordinator().jobs().blob_is_lost(scene, {core::ErrorCode::kNotFound, "gone"});
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+  for (const std::string& id : ids) ASSERT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
   const auto [beyond, text] = holds_beyond(kLongestHold);
   EXPECT_EQ(beyond, 0u) << text;
 }
