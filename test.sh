@@ -6,8 +6,8 @@
 #      the fuzzers with mutants (tests/fuzz/README.md). The tests labelled unsanitized, of which sanitizers prevent a
 #      part, run in the other pass as well;
 #   2. an optimised build: first core and the command line without the farm, and so without gRPC; then, in the same
-#      folder, everything, and all other tests. What renders is compiled a second time for AVX-512 where the processor
-#      has it, and core once for any processor; their images are compared.
+#      folder, everything, and all other tests. What renders is compiled once more for any processor and, where the
+#      processor has it, for AVX-512; their images are compared.
 # Ends with an error at the first pass that fails. Skipped tests are named, with the reason.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -39,12 +39,13 @@ heading "Pass 2 of 2: optimised, without the farm"
 build tests -DTESSERA_FARM=OFF client_test
 run_tests tests "$jobs" --tests-regex '^client_test\.'
 
-heading "Pass 2 of 2: for any processor"
-build portable "" tessera
-
 heading "Pass 2 of 2: optimised"
 grep -qw avx512dq /proc/cpuinfo && avx512=ON || avx512=OFF
 build tests "-DTESSERA_FARM=ON -DTESSERA_AVX512=$avx512" tests_optimised
-# Twice as many as there are processors: tests with real processes compute for a third of their time, and wait. Those
-# that only compute take two places.
-run_tests tests $((2 * jobs)) --label-exclude '^(unit|farm|fuzz)$'
+# Of the tests that only compute, one for each processor, at a low priority; beside them twice as many of those with real
+# processes, which wait for most of their time (tests/CMakeLists.txt).
+resources=$PWD/build/tests/resources.json
+cat >"$resources" <<EOF_JSON
+{"version": {"major": 1, "minor": 0}, "local": [{"processors": [{"id": "0", "slots": $jobs}]}]}
+EOF_JSON
+run_tests tests $((3 * jobs)) --label-exclude '^(unit|farm|fuzz)$' --resource-spec-file "$resources"

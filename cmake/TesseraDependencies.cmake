@@ -24,7 +24,7 @@ pkg_check_modules(deflate REQUIRED IMPORTED_TARGET libdeflate)
 pkg_check_modules(microhttpd REQUIRED IMPORTED_TARGET libmicrohttpd)
 pkg_check_modules(gnutls REQUIRED IMPORTED_TARGET gnutls)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
-if(TESSERA_PORTABLE)
+if(TESSERA_PORTABLE OR TESSERA_PORTABLE_VARIANT)
   find_path(SIMDE_INCLUDE_DIR simde/x86/avx2.h REQUIRED)  # header-only, without CMake package
 endif()
 

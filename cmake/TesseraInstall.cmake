@@ -8,9 +8,11 @@ set_target_properties(tessera_api PROPERTIES INSTALL_RPATH "$ORIGIN/tessera")
 install(TARGETS tessera_api EXPORT tessera_targets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libtessera NAMELINK_COMPONENT libtessera-dev)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/core/api/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libtessera-dev)
-if(TESSERA_AVX512)
+if(TESSERA_VARIANTS)
   # Exported too: libtessera needs it, and a consumer's linker follows the dependency.
   install(TARGETS tessera_core EXPORT tessera_targets LIBRARY DESTINATION ${private_libdir} COMPONENT libtessera)
+endif()
+if(TESSERA_AVX512)
   install(TARGETS tessera_core_avx512 LIBRARY DESTINATION ${private_libdir}/glibc-hwcaps/x86-64-v4 COMPONENT libtessera)
 endif()
 

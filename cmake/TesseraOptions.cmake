@@ -4,8 +4,9 @@
 # On x86-64, v3 (AVX2) is the minimum. Targets of TesseraVariants.cmake are also compiled for x86-64-v4
 # (AVX-512), which has twice the registers, and masks; the compiler's own use of 512-bit vectors does not
 # help, only core's explicit use. With TESSERA_PORTABLE, everything is compiled for any processor that the
-# compiler compiles for, with vectors by SIMDe (core/math/vector_instructions.hpp). Contraction of a*b+c into one rounding is off, so that rendered images do
-# not depend on the compiler. Nothing is compiled for the build machine alone.
+# compiler compiles for, with vectors by SIMDe (core/math/vector_instructions.hpp). Contraction of a*b+c into
+# one rounding is off, so that rendered images do not depend on the compiler. Nothing is compiled for the
+# build machine alone.
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
   set(portable OFF)
 else()
@@ -21,8 +22,14 @@ target_compile_options(tessera_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wunused -Woverloaded-virtual
   -Wnull-dereference -Wimplicit-fallthrough)
 if(NOT TESSERA_PORTABLE)
+  # TESSERA_VARIANT: that of core which a target belongs to (TesseraVariants.cmake).
+  set(is_avx512 $<STREQUAL:$<TARGET_PROPERTY:TESSERA_VARIANT>,avx512>)
+  set(is_portable $<STREQUAL:$<TARGET_PROPERTY:TESSERA_VARIANT>,portable>)
   target_compile_options(tessera_options INTERFACE
-    "$<IF:$<BOOL:$<TARGET_PROPERTY:TESSERA_AVX512>>,-march=x86-64-v4;-mprefer-vector-width=256,-march=x86-64-v3>")
+    "$<${is_avx512}:-march=x86-64-v4;-mprefer-vector-width=256>"
+    $<$<NOT:$<OR:${is_avx512},${is_portable}>>:-march=x86-64-v3>)
+  # Nothing of x86 at all, and less optimised: GCC takes long for the many small functions of SIMDe.
+  target_compile_options(tessera_options INTERFACE "$<${is_portable}:-DSIMDE_NO_NATIVE;-O1>")
 endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12 reports null dereferences and overlapping copies inside its own inlined library code (bug 105651).
@@ -30,7 +37,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # And values that are not initialised in its own AVX-512 intrinsics, which leave them so on purpose (bug 105593). What
   # both variants share is still checked in the other.
   target_compile_options(tessera_options INTERFACE
-    $<$<BOOL:$<TARGET_PROPERTY:TESSERA_AVX512>>:-Wno-uninitialized$<SEMICOLON>-Wno-maybe-uninitialized>)
+    "$<$<STREQUAL:$<TARGET_PROPERTY:TESSERA_VARIANT>,avx512>:-Wno-uninitialized;-Wno-maybe-uninitialized>")
   # The attributes of __m128i, which are no part of the type, where it is a template argument.
   target_compile_options(tessera_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-ignored-attributes>)
   # GCC collects its garbage from 128 MB on, which takes a twentieth of its time.

@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {glowingSphere, until} from './farm.mjs';
 import {halfValue, largestDifference, linearAt, readExr, srgb} from './images.mjs';
-import {openJob, readColours, showPixels, withFarm} from './page.mjs';
+import {openJob, readArray, readColours, showPixels, withFarm} from './page.mjs';
 
 const kSmall = {width: 150, height: 100};
 // More than a server sends in one go.
@@ -33,6 +33,13 @@ async function openCompared(id, {width, height} = kLarge) {
   await page.getByRole('heading', {name: 'Compare'}).click();
   return page;
 }
+
+// The linear values of the large image that the graphics card holds, and of what it is compared with.
+const kAll = [0, 0, kWidth, kHeight];
+const readShown = (page) =>
+  readArray(page, Float32Array, (rect) => window.tessera.viewer.source.store.read(...rect), kAll);
+const readOther = (page) =>
+  readArray(page, Float32Array, (rect) => window.tessera.viewer.other.store.read(...rect), kAll);
 
 // `linear(x, y, isRight)`: what is expected of a pixel; isRight: it is right of the split.
 async function assertShown(page, what, linear, {width, height} = kLarge) {
@@ -97,7 +104,7 @@ test('a snapshot keeps an earlier moment', async () => {
   await page.waitForFunction(() => window.tessera.viewer.other?.at);
   await farm.api(`jobs/${id}/extend`, {
     method: 'POST',
-    body: JSON.stringify({spp: 16}),
+    body: JSON.stringify({spp: 4}),
     headers: {'Content-Type': 'application/json'},
   });
   await farm.waitForState(id, 'done');
@@ -105,19 +112,14 @@ test('a snapshot keeps an earlier moment', async () => {
   const late = await exrOf(id);
   assert.notDeepEqual(early.halves, late.halves);
   // Of the own image, the last tiles may be under way.
-  await page.waitForFunction(
-    ([width, height, wanted]) => {
-      const read = window.tessera.readPixels(0, 0, width, height);
-      return wanted.every((half, i) => half === read[i]);
-    },
-    [kWidth, kHeight, Array.from(late.halves)],
-  );
-  const kept = await page.evaluate(
-    ([width, height]) => Array.from(window.tessera.viewer.other.store.read(0, 0, width, height)),
-    [kWidth, kHeight],
-  );
+  const wanted = Float32Array.from(late.halves, halfValue);
+  await until('the last tiles', async () => {
+    const values = await readShown(page);
+    return wanted.every((value, i) => value === values[i]);
+  });
+  const kept = await readOther(page);
   assert.ok(kept.every(Number.isFinite));
-  assert.deepEqual(kept, Array.from(early.halves, halfValue));
+  assert.deepEqual(kept, Float32Array.from(early.halves, halfValue));
   const [before, now] = [linearAt(early), linearAt(late)];
   await assertShown(page, 'the snapshot', (x, y, isRight) => (isRight ? before(x, y) : now(x, y)));
   await page.locator('.viewer').focus();
@@ -129,7 +131,7 @@ test('a snapshot keeps an earlier moment', async () => {
 });
 
 test('earlier moments are kept without being asked for', async () => {
-  const id = await farm.submit(['--size', `${kWidth}x${kHeight}`, '--spp', '100000']);
+  const id = await farm.submitScene(glowingSphere(kWidth, kHeight), {overrides: {spp: 100000}});
   const page = await openCompared(id);
   const choice = page.getByLabel('With', {exact: true});
   const moments = async () => {
@@ -143,14 +145,10 @@ test('earlier moments are kept without being asked for', async () => {
     select.dispatchEvent(new Event('change'));
     return select.value;
   });
-  const read = () =>
-    page.evaluate(
-      ([width, height]) => ({
-        samples: window.tessera.viewer.other.job.samples_done,
-        values: Array.from(window.tessera.viewer.other.store.read(0, 0, width, height)),
-      }),
-      [kWidth, kHeight],
-    );
+  const read = async () => ({
+    samples: await page.evaluate(() => window.tessera.viewer.other.job.samples_done),
+    values: await readOther(page),
+  });
   const first = await read();
   assert.ok(first.values.every(Number.isFinite));
   await until('more samples', async () => (await farm.api(`jobs/${id}`)).samples_done > 16 * first.samples);

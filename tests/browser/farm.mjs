@@ -3,7 +3,7 @@
 // the programs, TESSERA_SOURCE_DIR that of the sources.
 import {spawn} from 'node:child_process';
 import {mkdtempSync, rmSync, writeFileSync} from 'node:fs';
-import {tmpdir} from 'node:os';
+import {setPriority, tmpdir} from 'node:os';
 import {join} from 'node:path';
 
 const bin = process.env.TESSERA_BIN;
@@ -153,6 +153,8 @@ export class Farm {
       ],
       environment,
     );
+    // Renders that last as long as the test leave the processors to the browser.
+    setPriority(worker.child.pid, 10);
     this.workers.push(worker);
     return worker;
   }

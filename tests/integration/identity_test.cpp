@@ -8,7 +8,7 @@
 namespace tessera::test {
 namespace {
 
-const std::vector<std::string> kOptions{"--size", "200x150", "--spp", "24", "--seed", "7"};
+const std::vector<std::string> kImageOptions{"--size", "200x150", "--spp", "24", "--seed", "7"};
 
 struct FarmShape {
   std::vector<int> threads;  // of each worker
@@ -27,7 +27,7 @@ TEST_P(IdentityTest, AFarmRendersTheBytesOfALocalRender) {
     arguments.push_back("-o");
     arguments.push_back((folder_ / (std::string("farm") + ending)).string());
   }
-  arguments.insert(arguments.end(), kOptions.begin(), kOptions.end());
+  arguments.insert(arguments.end(), kImageOptions.begin(), kImageOptions.end());
   const Outcome outcome = tessera(arguments);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
 
@@ -35,7 +35,7 @@ TEST_P(IdentityTest, AFarmRendersTheBytesOfALocalRender) {
     const std::string farm = read_file(folder_ / (std::string("farm") + ending));
     EXPECT_FALSE(farm.empty());
     // Not EXPECT_EQ, which would print the bytes.
-    EXPECT_TRUE(farm == render_here(kOptions, ending)) << ending << " differs from the local render";
+    EXPECT_TRUE(farm == render_here(kImageOptions, ending)) << ending << " differs from the local render";
   }
   std::uint64_t accepted = 0;
   for (const auto& worker : workers()) accepted += worker.samples_accepted();

@@ -201,7 +201,7 @@ TEST_F(LimitsTest, OfConnectionsAreReportedAndRetried) {
 }
 
 TEST_F(LimitsTest, HostileScenesAffectNoOther) {
-  start({"--validator", moody_validator(), "--validator-seconds", "1"});
+  start({"--validator", moody_validator(), "--validator-seconds", "3"});
   const struct {
     Files files;
     grpc::StatusCode code;
@@ -210,7 +210,7 @@ TEST_F(LimitsTest, HostileScenesAffectNoOther) {
       {with("scene.json", std::string(1'000'000, '[')), grpc::StatusCode::INVALID_ARGUMENT, "nested"},
       {with("crash", "crash"), grpc::StatusCode::INVALID_ARGUMENT, "the validator ended by signal 11"},
       {with("spin", "spin"), grpc::StatusCode::RESOURCE_EXHAUSTED,
-       "could not be validated within 1 s, which is all that this farm takes for one (tessera-coordinator "
+       "could not be validated within 3 s, which is all that this farm takes for one (tessera-coordinator "
        "--validator-seconds)"},
   };
   for (const auto& scene : hostile) {

@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr const char* kScene = R"({
+constexpr const char* kSmallScene = R"({
   "render": {"width": 16, "height": 16, "spp": 1},
   "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]},
   "textures": {"paint": {"file": "paint.png"}},
@@ -40,20 +40,20 @@ std::string paint() {
 
 struct BadInput {
   std::string name;
-  std::string scene = kScene, mesh = kMesh, texture = paint();
+  std::string scene = kSmallScene, mesh = kMesh, texture = paint();
   std::vector<std::string> mentions;  // file, place, field
 };
 
 std::vector<BadInput> bad_inputs() {
   return {
       {.name = "NegativeSpp",
-       .scene = replaced(kScene, "\"spp\": 1", "\"spp\": -3"),
+       .scene = replaced(kSmallScene, "\"spp\": 1", "\"spp\": -3"),
        .mentions = {"scene.json:2", "spp", "-3"}},
       {.name = "MisspeltKey",
-       .scene = replaced(kScene, "\"albedo\"", "\"albdo\""),
+       .scene = replaced(kSmallScene, "\"albedo\"", "\"albdo\""),
        .mentions = {"scene.json:5", "albdo", "albedo"}},
       {.name = "EmptyImage",
-       .scene = replaced(kScene, "\"width\": 16", "\"width\": 0"),
+       .scene = replaced(kSmallScene, "\"width\": 16", "\"width\": 0"),
        .mentions = {"scene.json:2", "width", "0"}},
       {.name = "TruncatedObj",
        .mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n",

@@ -71,6 +71,8 @@ forbid "Only the metrics include the library of Prometheus." "${include}promethe
 # The same bytes on every machine.
 forbid "Nothing is built for the building machine alone, or with inexact arithmetic." \
   '-m(arch|tune)=native|-f(fast|unsafe)-math|-Ofast|-ffp-contract=(fast|on)' "${builds[@]}" "${elsewhere[@]}" .
+forbid "Vector instructions are called in core/math alone, so that core compiles for any processor." \
+  "\b_mm[0-9]*_|${include}[a-z]*intrin\.h" --but '^core/math/' "${sources[@]}" core scenes client
 # (A comparison of images may: it reports to people.)
 forbid "Core calls none of the C library's elementary functions: core/math/elementary.hpp has ours." \
   '(std::|[^a-zA-Z0-9_:.>]::)(sin|cos|tan|asin|acos|atan|atan2|sinh|cosh|tanh|exp|exp2|expm1|log|log2|log10|log1p|pow|cbrt|hypot)f?\(' \
