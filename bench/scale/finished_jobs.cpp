@@ -52,9 +52,10 @@ store::JobRow row_of(int job) {
   spec.set_id(fmt::format("{:032x}", job + 1));
   spec.set_name(fmt::format("shot {} frame {}", job / 1000, job % 1000));
   spec.set_owner(fmt::format("artist {}", job % 50));
-  spec.mutable_settings()->set_width_px(kSidePx);
-  spec.mutable_settings()->set_height_px(kSidePx);
-  spec.mutable_settings()->set_spp(kSpp);
+  core::RenderSettings settings;
+  settings.width_px = settings.height_px = kSidePx;
+  settings.spp = kSpp;
+  *spec.mutable_settings() = proto::to_proto(settings);
   *spec.mutable_bundle() = bundle_of(job);
   *spec.mutable_created_at() = farm::timestamp_from_ms(base::wall_clock_ms());
   farm::JobRecord record;
@@ -124,7 +125,10 @@ double milliseconds(const Call& call) {
   const Stopwatch stopwatch;
   const auto result = call();
   const double seconds = stopwatch.seconds();
-  if (!result) std::cerr << "finished_jobs_bench: " << result.error().message << '\n';
+  if (!result) {
+    std::cerr << "finished_jobs_bench: " << result.error().message << '\n';
+    std::exit(EXIT_FAILURE);
+  }
   return 1e3 * seconds;
 }
 
