@@ -37,11 +37,11 @@ T cauchy_abscissa(T wavelength_nm) {
 template <typename T>
 T dispersed_index(T index_d, T inverse_abbe_number, T abscissa) {
   using std::fabs;
-  constexpr float kLeastBending = 2 * kMinBending;
+  constexpr float kMinDispersedBending = 2 * kMinBending;
   const T index = index_d + (index_d - 1) * inverse_abbe_number * abscissa;
-  const T bounded = select(index_d > 1, clamp_between(index, 1 + kLeastBending, kMaxIor),
-                           clamp_between(index, kMinRelativeIor, 1 - kLeastBending));
-  return select(fabs(index_d - 1) < kLeastBending, index_d, bounded);
+  const T bounded = select(index_d > 1, clamp_between(index, 1 + kMinDispersedBending, kMaxIor),
+                           clamp_between(index, kMinRelativeIor, 1 - kMinDispersedBending));
+  return select(fabs(index_d - 1) < kMinDispersedBending, index_d, bounded);
 }
 
 // Light at a vertex where it may be dispersed. A path has light of all wavelengths until a dispersive

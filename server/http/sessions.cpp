@@ -32,12 +32,13 @@ Sessions::Sessions(std::filesystem::path file, std::function<Clock::time_point()
     spdlog::warn("the sessions of the page have ended: {}", bytes.error().message);
     return;
   }
+  const std::int64_t now_s = since_epoch(now_()).count(), latest_s = since_epoch(now_() + kLifetime).count();
   std::istringstream lines(*bytes);
   Session session;
-  for (std::int64_t ends = 0;
-       sessions_.size() < kMax && lines >> session.key >> session.token_digest >> ends;)
-    add({session.key, session.token_digest, Clock::time_point(std::chrono::seconds(ends))});
-  forget_ended();
+  for (std::int64_t ends_s = 0;
+       sessions_.size() < kMax && lines >> session.key >> session.token_digest >> ends_s;)
+    if (ends_s > now_s && ends_s <= latest_s)
+      add({session.key, session.token_digest, Clock::time_point(std::chrono::seconds(ends_s))});
 }
 
 std::string Sessions::open(const std::string& token_digest) {

@@ -216,7 +216,7 @@ TEST(HttpSessions, OutliveARestart) {
 TEST(HttpSessions, OfADamagedFileHaveEnded) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "sessions";
-  ASSERT_TRUE(core::write_file_atomically(file.string(), "\xff nonsense\n a b c\n"));
+  ASSERT_TRUE(core::write_file_atomically(file.string(), "\xff nonsense 9223372036854775807\n a b c\n"));
   Sessions sessions(file);
   EXPECT_EQ(sessions.count(), 0u);
   EXPECT_EQ(sessions.token_digest(sessions.open("ada")), "ada");
