@@ -296,6 +296,12 @@ void Connection::stop() {
   if (phase_ == Phase::kSuspended) resume();
 }
 
+void Connection::disconnect() {
+  const std::lock_guard lock(mutex_);
+  if (phase_ != Phase::kClosed) ::shutdown(socket_, SHUT_RDWR);
+  if (phase_ == Phase::kSuspended) resume();
+}
+
 bool Connection::is_stopping() const {
   const std::lock_guard lock(mutex_);
   return is_stopping_;

@@ -60,6 +60,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void respond(std::uint64_t request_number, Response response);
   // Bodies that are produced over time end soon.
   void stop();
+  // Whatever is under way.
+  void disconnect();
   bool is_stopping() const;
   // Whether there is a request whose response will be sent soon: no body that is produced over time.
   bool is_answering() const;

@@ -24,17 +24,22 @@ class Connections {
   void stop();
   // Blocks until all other responses are sent, for so long at most.
   void await_answers(std::chrono::milliseconds longest);
-  // A response was sent.
-  void note_answer() { answered_.notify_all(); }
+  // After stop(): disconnects all, and blocks until they are removed, for so long at most.
+  void disconnect(std::chrono::milliseconds longest);
+  // A response was sent, or a connection removed.
+  void note_change() { changed_.notify_all(); }
 
  private:
-  bool are_answering() const;
+  // Blocks until is_true(), with the mutex.
+  template <typename Condition>
+  void await(Condition is_true, std::chrono::milliseconds longest);
 
   mutable std::mutex mutex_;
-  std::condition_variable answered_;
+  std::condition_variable changed_;
   // Guarded by mutex_:
   std::set<std::shared_ptr<Connection>> all_;
   bool is_stopping_ = false;
+  bool is_disconnecting_ = false;
 };
 
 }  // namespace tessera::http

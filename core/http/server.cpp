@@ -151,7 +151,7 @@ void Server::Daemon::notify(void* daemon, MHD_Connection* connection, void** slo
     const auto closed = static_cast<Connection*>(*slot)->shared_from_this();
     closed->close();
     self.connections.remove(closed);
-    self.connections.note_answer();
+    self.connections.note_change();
     *slot = nullptr;
   }
 }
@@ -169,7 +169,7 @@ MHD_Result Server::Daemon::proceed(void*, MHD_Connection* connection, const char
 
 void Server::Daemon::complete(void* daemon, MHD_Connection* connection, void**, MHD_RequestTerminationCode) {
   connection_of(connection).end_request();
-  static_cast<Daemon*>(daemon)->connections.note_answer();
+  static_cast<Daemon*>(daemon)->connections.note_change();
 }
 
 void Server::Daemon::log(void* daemon, const char* format, va_list arguments) {
@@ -223,6 +223,8 @@ Server::Daemon::~Daemon() {
     // MHD_quiesce_daemon() races with MHD's threads that use epoll; accept() rejects new connections instead.
     connections.stop();
     connections.await_answers(kEndSeconds);
+    // MHD 0.9.75 reads through a null pointer when it rejects a malformed request while it is being stopped.
+    connections.disconnect(kEndSeconds);
     MHD_stop_daemon(mhd);
   }
   if (passed_socket < 0) return;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,17 @@ TEST(MalformedRequests, ReachNoHandler) {
   EXPECT_EQ(calls, 0);
   EXPECT_THAT(get(server->address(), "/jobs"), HasSubstr("You asked for /jobs"));
   EXPECT_EQ(calls, 1);
+}
+
+// MHD's threads read and reject them while the server ends.
+TEST(MalformedRequests, DoNotDisturbTheEnd) {
+  FunctionHandler handler;
+  for (int round = 0; round < 20; ++round) {
+    std::deque<RawClient> clients;
+    const auto server = start_server(handler);
+    for (int i = 0; i < 20; ++i)
+      clients.emplace_back(server->address()).send("GET / HTTP/1.1\r\nX\xff\r\n\r\n");
+  }
 }
 
 // Every prefix of a request, and the request with each byte replaced.
