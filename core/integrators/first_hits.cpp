@@ -17,7 +17,7 @@ FirstHit describe(const Scene& scene, const Ray& ray, const Hit& hit, Vec3 origi
   const Vec3 wo = normalize(-ray.direction);
   const Material& scatterer = scatterer_of(scene, hit, surface, wo);
   first.found = true;
-  first.albedo = base_color_at(scatterer, scene.textures(), uv_sets_at(scene, hit, surface),
+  first.albedo = base_color_at(scatterer, scene.textures(), texture_point_at(scene, hit, surface),
                                scene.primitives().vertex_color(hit));
   first.normal =
       ViewedSide<float>(surface, wo).shading_normal(outward_normal(scene, scatterer, hit, surface), wo);

@@ -55,7 +55,7 @@ Crossing crossing_at(const Scene& scene, RayOrigin origin, const Ray& ray, const
   if (is_opaque(*material, scene.materials()) || crossing >= kMaxCrossings) return {material, surface};
   if (!is_nested) surface = scene.primitives().surface(ray, hit);
   const auto [stopped, transmittance] =
-      interception_at(*material, scene.materials(), scene.textures(), uv_sets_at(scene, hit, surface),
+      interception_at(*material, scene.materials(), scene.textures(), texture_point_at(scene, hit, surface),
                       meeting_cosine(surface, normalize(ray.direction)), is_behind(surface, -ray.direction));
   return {material, surface, stopped, transmittance, emits_in_passing(*material)};
 }

@@ -22,7 +22,7 @@ float hashed_number(Vec3 a, Vec3 b) {
 const Material& scatterer_of(const Scene& scene, const Hit& hit, const SurfacePoint& surface, Vec3 wo) {
   const Material& material = scene.material_of(hit);
   if (!std::holds_alternative<Blend>(material.model)) return material;
-  return scatterer_at(material, scene.materials(), scene.textures(), uv_sets_at(scene, hit, surface),
+  return scatterer_at(material, scene.materials(), scene.textures(), texture_point_at(scene, hit, surface),
                       meeting_cosine(surface, wo), hashed_number(surface.position, wo),
                       is_behind(surface, wo));
 }
@@ -45,7 +45,7 @@ Tangents image_tangents(const Scene& scene, const Texture& map, const Hit& hit, 
 Vec3 highlight_tangent(const Scene& scene, const TangentDirection& direction, const Hit& hit,
                        const SurfacePoint& surface) {
   if (is_along_u(direction)) return scene.primitives().tangents(hit, surface).along_u;
-  const float rotation = direction.rotation.evaluate(scene.textures(), uv_sets_at(scene, hit, surface));
+  const float rotation = direction.rotation.evaluate(scene.textures(), texture_point_at(scene, hit, surface));
   const auto turned_in_plane = [&](Vec2 components, const Tangents& along) {
     return direction_in_plane(turned(components, rotation), surface.shading_normal, along.along_u,
                               along.along_v);
@@ -67,8 +67,11 @@ Vec3 bumped_normal(const Scene& scene, const Material& material, const Hit& hit,
                    Vec3 normal) {
   const Texture& heights = scene.textures()[static_cast<std::size_t>(material.bump.texture)];
   const auto [dp_du, dp_dv] = scene.primitives().uv_derivatives(hit, surface, heights.uv_set);
-  const Vec2 uv = uv_sets_at(scene, hit, surface)[heights.uv_set];
-  return tilt_by_heights(height_slope(heights, material.bump.height, uv), normal, dp_du, dp_dv);
+  const TexturePoint at = texture_point_at(scene, hit, surface);
+  const HeightSlope slope =
+      heights.procedural ? height_slope(heights, scene.textures(), material.bump.height, at, dp_du, dp_dv)
+                         : height_slope(heights, material.bump.height, at.uv[heights.uv_set]);
+  return tilt_by_heights(slope, normal, dp_du, dp_dv);
 }
 
 Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit,
@@ -114,7 +117,7 @@ PathVertex::PathVertex(const Scene& scene, const Scatterer& scatterer, const Hit
                              scatterer.material->model, wo),
                scatterer.material->shading_normals == ShadingNormals::kPlain,
                Bsdf(*scatterer.material,
-                    {scene.textures(), uv_sets_at(scene, hit, surface), side.outside,
+                    {scene.textures(), texture_point_at(scene, hit, surface), side.outside,
                      scene.primitives().vertex_color(hit), true, pointer_to(scatterer.light)})),
       light_(scatterer.light),
       disperses_(disperses(scatterer.material->model)) {

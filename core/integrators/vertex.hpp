@@ -198,6 +198,11 @@ inline UvSets uv_sets_at(const Scene& scene, const Hit& hit, const SurfacePoint&
   return scene.primitives().uv_sets(hit, surface.uv);
 }
 
+// Where the textures of `surface` are looked up.
+inline TexturePoint texture_point_at(const Scene& scene, const Hit& hit, const SurfacePoint& surface) {
+  return {uv_sets_at(scene, hit, surface), surface.position};
+}
+
 // The unit directions on the surface in which u and v of the image `map` grow at a hit; zero if undefined.
 Tangents image_tangents(const Scene& scene, const Texture& map, const Hit& hit, const SurfacePoint& surface);
 

@@ -202,7 +202,7 @@ AreaLight::Batch AreaLight::batch_of(const LightShape& shape, const SurfaceEmiss
 
 Rgb AreaLight::emitted(const std::vector<Texture>& textures, Vec3 position, const UvSets& uv, Vec3 wo) const {
   if (!two_sided_ && !(dot(front_at(position), wo) > 0)) return {};
-  return radiance_.evaluate(textures, uv);
+  return radiance_.evaluate(textures, {uv, position});
 }
 
 Vec3 AreaLight::front_at(Vec3 position) const {
@@ -249,8 +249,8 @@ AreaLight::Sample AreaLight::before(const Sample& behind, Vec3 p_lit) const {
 std::optional<LightSample> AreaLight::emitted_by(const std::vector<Texture>& textures,
                                                  const Sample& found) const {
   if (!(found.pdf > 0) || !std::isfinite(found.pdf)) return std::nullopt;
-  const Rgb radiance =
-      emitted(textures, found.point.position, found.uv, -found.wi) * opacity_at(opacity_, textures, found.uv);
+  const Rgb radiance = emitted(textures, found.point.position, found.uv, -found.wi) *
+                       opacity_at(opacity_, textures, {found.uv, found.point.position});
   if (is_black(radiance)) return std::nullopt;
   return LightSample{found.wi, radiance, found.pdf, false, found.point};
 }
@@ -326,7 +326,7 @@ LightSamples AreaLight::sample_quads(const std::array<const AreaLight*, 8>& quad
   samples.point = point_of_quad<FloatN>({corner.all(), edge_u.all(), edge_v.all()}, front.all(), u);
   samples.wi = normalize(samples.point.position - p_lit);
   samples.pdf = per_solid_angle(area.all(), p_lit, samples.point.position, front.all());
-  samples.radiance = evaluate(radiance, textures, u);
+  samples.radiance = evaluate(radiance, textures, TexturePointOf<FloatN>(u, samples.point.position));
   const MaskN emits = MaskN::from_bits(two_sided) | (dot(front.all(), -samples.wi) > 0);
   samples.found = (samples.pdf > 0) & (samples.pdf < std::numeric_limits<float>::infinity()) & emits &
                   !is_black(samples.radiance);

@@ -25,9 +25,9 @@ Rgb normal_reflectance(Rgb eta, Rgb k) {
 
 }  // namespace
 
-Rgb base_color_at(const Material& material, const std::vector<Texture>& textures, const UvSets& uv,
+Rgb base_color_at(const Material& material, const std::vector<Texture>& textures, const TexturePoint& point,
                   Rgb tint) {
-  const auto at = [&](const auto& parameter) { return parameter.evaluate(textures, uv); };
+  const auto at = [&](const auto& parameter) { return parameter.evaluate(textures, point); };
   const Rgb color = std::visit(
       Overloaded{
           [&](const Lambert& m) { return at(m.albedo) * tint; },
@@ -55,8 +55,8 @@ Rgb base_color_at(const Material& material, const std::vector<Texture>& textures
           [](const Blend&) { return Rgb{}; },
           [](const Null&) { return Rgb{}; },
           [&](const Hair& m) {
-            const MaterialPoint point{textures, uv, true, tint};
-            const Rgb absorption = absorption_of(ModelAt<float, Hair>(&m, point));
+            const MaterialPoint seen{textures, point, true, tint};
+            const Rgb absorption = absorption_of(ModelAt<float, Hair>(&m, seen));
             return hair_color(absorption, std::clamp(at(m.beta_n), 0.0f, 1.0f)) * tint;
           },
       },

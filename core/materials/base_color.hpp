@@ -13,6 +13,7 @@ namespace tessera::core {
 // colours, so that clear glass is white. Principled: base colour by its weight, or the transmission's colour.
 // Disney: base colour. Hair: the colour of much of it. Black for Null, and for a Blend, whose parts are to be
 // asked. `tint` is the vertex colour.
-Rgb base_color_at(const Material& material, const std::vector<Texture>& textures, const UvSets& uv, Rgb tint);
+Rgb base_color_at(const Material& material, const std::vector<Texture>& textures, const TexturePoint& point,
+                  Rgb tint);
 
 }  // namespace tessera::core

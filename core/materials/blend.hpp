@@ -20,13 +20,13 @@ struct Interception {
 // the ray comes from the side that the geometric normal points away from. A blend does the mean of what its
 // parts do.
 Interception interception_at(const Material& material, const std::vector<Material>& all,
-                             const std::vector<Texture>& textures, const UvSets& uv, float cosine,
+                             const std::vector<Texture>& textures, const TexturePoint& point, float cosine,
                              bool from_behind = false);
 
 // The material that scatters light which hits `material`: itself, or a part of the blend. `u` in [0, 1)
 // chooses among the parts in proportion to what of their weight is hit.
 const Material& scatterer_at(const Material& material, const std::vector<Material>& all,
-                             const std::vector<Texture>& textures, const UvSets& uv, float cosine, float u,
-                             bool from_behind = false);
+                             const std::vector<Texture>& textures, const TexturePoint& point, float cosine,
+                             float u, bool from_behind = false);
 
 }  // namespace tessera::core

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <vector>
 
 #include "core/materials/material.hpp"
 #include "core/math/vec3.hpp"
@@ -10,7 +11,7 @@
 
 namespace tessera::core {
 
-// The derivative of the height by the texture coordinates of the texture's set, which are `uv`, from central
+// The derivative of the height by the texture coordinates of the image's set, which are `uv`, from central
 // differences over one texel.
 struct HeightSlope {
   float along_u = 0, along_v = 0;
@@ -32,6 +33,21 @@ inline HeightSlope height_slope(const Texture& texture, float height, Vec2 uv) {
   };
   return {slope(texels_along(texture.scale.x, texture.shear.y), 1, {1, 0}),
           slope(texels_along(texture.shear.x, texture.scale.y), 1, {0, 1})};
+}
+
+// That of a procedural texture, also over the point in space, which moves by dp_du and dp_dv. The steps are
+// those of pbrt for surfaces without ray differentials.
+inline HeightSlope height_slope(const Texture& texture, const std::vector<Texture>& all, float height,
+                                const TexturePoint& at, Vec3 dp_du, Vec3 dp_dv) {
+  constexpr float kStep = 0.0005f;
+  const auto slope = [&](Vec2 one, Vec3 derivative) {
+    const auto moved = [&](float step) {
+      const UvSets uv{at.uv.first + one * step, at.uv.second + one * step};
+      return texture.evaluate_unclamped(all, {uv, at.position + derivative * step}).r;
+    };
+    return height * (moved(0.5f * kStep) - moved(-0.5f * kStep)) / kStep;
+  };
+  return {slope({1, 0}, dp_du), slope({0, 1}, dp_dv)};
 }
 
 // The unit `normal` of the surface displaced along it by a height with this slope (Blinn 1978). dp_du and

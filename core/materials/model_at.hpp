@@ -19,7 +19,7 @@ namespace tessera::core {
 template <typename T>
 struct MaterialPointOf {
   const std::vector<Texture>& textures;
-  UvSetsOf<T> uv;
+  TexturePointOf<T> texture_point;
   MaskOf<T> outside;     // the viewer is on the side that the outward geometric normal points to
   RgbOf<T> tint;         // multiplies the base colour
   bool has_tint = true;  // else it is white in all lanes
@@ -74,7 +74,7 @@ class ModelAt<float, Part> {
   const MaterialPoint& at() const { return at_; }
   template <typename Parameter>
   auto operator()(const Parameter& parameter) const {
-    return std::invoke(parameter, part_).evaluate(at_.textures, at_.uv);
+    return std::invoke(parameter, part_).evaluate(at_.textures, at_.texture_point);
   }
   template <typename Predicate>
   bool holds(const Predicate& predicate) const {
@@ -108,7 +108,7 @@ class ModelAt<FloatN, Part> {
     std::array<const Evaluated*, kLaneCount> parameters;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane)
       parameters[lane] = &std::invoke(parameter, *parts_[lane]);
-    return evaluate(parameters, at_.textures, at_.uv);
+    return evaluate(parameters, at_.textures, at_.texture_point);
   }
   template <typename Predicate>
   MaskN holds(const Predicate& predicate) const {

@@ -13,7 +13,7 @@ double mean_opacity(const Material& material, const std::vector<Texture>& textur
   const ScalarParameter& opacity = material.opacity;
   if (opacity.texture < 0) return static_cast<double>(opacity.value);
   const Texture& texture = textures[static_cast<std::size_t>(opacity.texture)];
-  return std::clamp(static_cast<double>(opacity.value * texture.image->mean().r), 0.0, 1.0);
+  return std::clamp(static_cast<double>(opacity.value * texture.mean(textures).r), 0.0, 1.0);
 }
 
 // The mean radiance that leaves the surface, including opacity.
@@ -23,7 +23,7 @@ double mean_radiance(const Material& material, const std::vector<Texture>& textu
   const double opacity = mean_opacity(material, textures);
   if (emission.texture < 0) return static_cast<double>(mean(emission.value)) * opacity;
   const Texture& texture = textures[static_cast<std::size_t>(emission.texture)];
-  return static_cast<double>(mean(emission.value * texture.image->mean())) * opacity;
+  return static_cast<double>(mean(emission.value * texture.mean(textures))) * opacity;
 }
 
 CylinderLight cylinder_light(const Cylinder& cylinder) {

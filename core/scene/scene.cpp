@@ -57,8 +57,9 @@ bool changes_lights(const Animation& animation) {
 ScalarParameter without_constant_texture(const ScalarParameter& opacity,
                                          const std::vector<Texture>& textures) {
   if (opacity.texture < 0) return opacity;
-  const TextureImage& image = *textures[static_cast<std::size_t>(opacity.texture)].image;
-  return image.width() == 1 && image.height() == 1 ? opacity_at(opacity, textures, {}) : opacity;
+  const Texture& texture = textures[static_cast<std::size_t>(opacity.texture)];
+  const bool is_constant = !texture.procedural && texture.image->width() == 1 && texture.image->height() == 1;
+  return is_constant ? opacity_at(opacity, textures, {}) : opacity;
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "core/scene/tables/check.hpp"
 #include "core/scene/tables/material_tables.hpp"
 #include "core/scene/tables/medium_tables.hpp"
+#include "core/scene/validate_textures.hpp"
 
 namespace tessera::core {
 namespace {
@@ -34,11 +35,27 @@ std::optional<KeyMistake> mistake_in(const Material& material, const NameCounts&
   return mistake ? mistake : find_mistake(kKeys<Material>, material, counts);
 }
 
+// The key of a map of directions whose texture is no image.
+std::optional<std::string_view> key_without_image(const Material& material,
+                                                  const std::vector<Texture>& textures) {
+  std::optional<std::string_view> found;
+  visit_keys(material, [&]<typename Value>(const auto& key, const Value& value) {
+    if constexpr (std::same_as<Value, NormalMap> || std::same_as<Value, TangentMap>)
+      if (!is_image(value.texture, textures)) found = key.name;
+  });
+  return found;
+}
+
+std::string image_text(std::string_view key) {
+  return fmt::format("{}: the texture must be an image", key);
+}
+
 Status check_material(const Material& material, const SceneDescription& scene) {
   const auto wrong = [&](std::string_view what) {
     return invalid_part(fmt::format("material '{}': {}", material.name, what));
   };
   if (const auto mistake = mistake_in(material, counts_of(scene))) return wrong(mistake->text());
+  if (const auto key = key_without_image(material, scene.textures)) return wrong(image_text(*key));
   if (material.sampling == Sampling::kHalfVector && !std::holds_alternative<CookTorrance>(material.model))
     return wrong("only cook_torrance can be sampled by half-vectors");
   if (!is_valid_radiance(material.emission, scene.textures))
@@ -121,7 +138,7 @@ bool is_valid_radiance(Rgb c) {
 bool is_valid_radiance(const ColorParameter& color, const std::vector<Texture>& textures) {
   if (!is_valid_radiance(color.value)) return false;
   return color.texture < 0 ||
-         is_valid_radiance(color.value * textures[static_cast<std::size_t>(color.texture)].image->largest());
+         is_valid_radiance(color.value * textures[static_cast<std::size_t>(color.texture)].largest());
 }
 
 std::vector<std::string_view> clamp_to_ranges(Material& material) {

@@ -19,6 +19,7 @@
 #include "core/scene/tables/light_tables.hpp"
 #include "core/scene/validate_materials.hpp"
 #include "core/scene/validate_shapes.hpp"
+#include "core/scene/validate_textures.hpp"
 
 namespace tessera::core {
 namespace {
@@ -78,6 +79,8 @@ Status check_light_textures(const SceneDescription& scene) {
     const int texture = texture_of(scene.lights[i]);
     if (texture < -1 || texture >= static_cast<int>(scene.textures.size()))
       return invalid(fmt::format("lights[{}]: there is no such texture", i));
+    if (!is_image(texture, scene.textures))
+      return invalid(fmt::format("lights[{}]: the texture must be an image", i));
   }
   return {};
 }
@@ -111,6 +114,8 @@ Status check_environment(const EnvironmentDescription& environment, const std::v
   if (const auto mistake =
           find_mistake(kKeys<EnvironmentDescription>, environment, {.textures = textures.size()}))
     return invalid("environment: " + mistake->text());
+  if (!is_image(environment.radiance.texture, textures))
+    return invalid("environment: the texture of radiance must be an image");
   if (!is_valid_radiance(environment.radiance, textures))
     return invalid("environment: radiance times its image is too bright to be computed; lower it");
   if (!is_rotation(environment.orientation))
@@ -237,6 +242,7 @@ Status validate_scene(const SceneDescription& scene) {
                                scene.settings.max_depth));
   if (auto ok = check_display(scene.display); !ok) return fail(ok.error().within("output"));
   if (auto ok = validate_camera(scene.camera); !ok) return ok;
+  if (auto ok = check_textures(scene.textures); !ok) return ok;
   if (auto ok = check_media(scene); !ok) return ok;
   if (auto ok = check_materials(scene.materials, scene); !ok) return ok;
   if (auto ok = validate_lights(scene.lights); !ok) return ok;

@@ -77,9 +77,9 @@ class Bsdf : public BsdfOf<float> {
  public:
   // `outside`: wo is on the side that the outward geometric normal points to. `tint` multiplies the base
   // colour (MeshDescription::colors).
-  Bsdf(const Material& material, const std::vector<Texture>& textures, const UvSets& uv, bool outside,
-       Rgb tint = Rgb::gray(1))
-      : Bsdf(material, {textures, uv, outside, tint}) {}
+  Bsdf(const Material& material, const std::vector<Texture>& textures, const TexturePoint& point,
+       bool outside, Rgb tint = Rgb::gray(1))
+      : Bsdf(material, {textures, point, outside, tint}) {}
   Bsdf(const Material& material, const MaterialPoint& at)
       : BsdfOf(&material, at), black_(!at.outside && is_one_sided(material)) {}
 

@@ -49,7 +49,7 @@ HairBsdfOf<T>::HairBsdfOf(const ModelAt<T, Hair>& model) : absorption_(absorptio
   const auto roughness = [&](ScalarParameter Hair::*parameter) {
     return widened(clamp_between(model(parameter), kMinHairRoughness, 1.0f));
   };
-  offset_ = widened(clamp_between(2 * model.at().uv.first.y - 1, -1.0f, 1.0f));
+  offset_ = widened(clamp_between(2 * model.at().texture_point.uv.first.y - 1, -1.0f, 1.0f));
   offset_angle_ = arc_sine<T>(offset_);
   eta_ = widened(clamp_between(model(&Hair::ior), kMinHairIor, kMaxIor));
   set_longitudinal(roughness(&Hair::beta_m));

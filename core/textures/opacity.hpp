@@ -10,9 +10,9 @@ namespace tessera::core {
 
 // In [0, 1]. Values that rounding leaves just below 1 between texels of 1 become 1.
 inline float opacity_at(const ScalarParameter& opacity, const std::vector<Texture>& textures,
-                        const UvSets& uv) {
+                        const TexturePoint& at) {
   constexpr float kAlmostOne = 1 - 0x1p-20f;
-  const float value = opacity.evaluate(textures, uv);
+  const float value = opacity.evaluate(textures, at);
   if (value >= kAlmostOne) return 1;
   return value > 0 ? value : 0;
 }

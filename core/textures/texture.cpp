@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -376,43 +377,73 @@ RgbOf<FloatN> Texture::evaluate(const std::array<const Texture*, kLaneCount>& te
 
 namespace {
 
-// The textures of the parameters in all lanes, if any has one. Lanes without a texture get another lane's.
+// The textures of the parameters in all lanes. Lanes without an image get another lane's.
 template <typename Parameter>
 struct TexturesOf {
   TexturesOf(const std::array<const Parameter*, kLaneCount>& parameters, const std::vector<Texture>& all) {
-    const Texture* some = nullptr;
+    const Texture* some_image = nullptr;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       if (parameters[lane]->texture < 0) continue;
-      some = textures[lane] = &all[static_cast<std::size_t>(parameters[lane]->texture)];
+      const Texture& texture = all[static_cast<std::size_t>(parameters[lane]->texture)];
       textured |= 1u << lane;
+      if (texture.procedural) {
+        procedural[lane] = &texture;
+        with_procedural |= 1u << lane;
+      } else {
+        some_image = images[lane] = &texture;
+      }
     }
-    std::replace(textures.begin(), textures.end(), static_cast<const Texture*>(nullptr), some);
+    has_images = some_image != nullptr;
+    std::replace(images.begin(), images.end(), static_cast<const Texture*>(nullptr), some_image);
+  }
+
+  RgbOf<FloatN> evaluate(const std::vector<Texture>& all, const TexturePointOf<FloatN>& at) const {
+    const auto values = has_images ? Texture::evaluate(images, at.uv) : RgbOf<FloatN>::gray(0.0f);
+    return with_procedural == 0 ? values : with_patterns(values, all, at);
   }
 
   unsigned textured = 0;  // bit i for lane i
-  std::array<const Texture*, kLaneCount> textures{};
+
+ private:
+  // Evaluates each procedural texture once, for all of its lanes.
+  RgbOf<FloatN> with_patterns(RgbOf<FloatN> values, const std::vector<Texture>& all,
+                              const TexturePointOf<FloatN>& at) const {
+    for (unsigned left = with_procedural; left != 0;) {
+      const Texture* texture = procedural[static_cast<std::size_t>(std::countr_zero(left))];
+      unsigned its_lanes = 0;
+      for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+        its_lanes |= (procedural[lane] == texture ? 1u : 0u) << lane;
+      values = select(MaskN::from_bits(its_lanes), texture->evaluate_procedural(all, at), values);
+      left &= ~its_lanes;
+    }
+    return values;
+  }
+
+  unsigned with_procedural = 0;
+  bool has_images = false;
+  std::array<const Texture*, kLaneCount> images{}, procedural{};
 };
 
 }  // namespace
 
 RgbOf<FloatN> evaluate(const std::array<const ColorParameter*, kLaneCount>& parameters,
-                       const std::vector<Texture>& textures, const UvSetsOf<FloatN>& uv) {
+                       const std::vector<Texture>& textures, const TexturePointOf<FloatN>& at) {
   RgbLanes constants;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) constants.set(lane, parameters[lane]->value);
   const RgbOf<FloatN> value = constants.all();
   const TexturesOf of(parameters, textures);
   if (of.textured == 0) return value;
-  return select(MaskN::from_bits(of.textured), value * Texture::evaluate(of.textures, uv), value);
+  return select(MaskN::from_bits(of.textured), value * of.evaluate(textures, at), value);
 }
 
 FloatN evaluate(const std::array<const ScalarParameter*, kLaneCount>& parameters,
-                const std::vector<Texture>& textures, const UvSetsOf<FloatN>& uv) {
+                const std::vector<Texture>& textures, const TexturePointOf<FloatN>& at) {
   FloatLanes constants;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) constants.set(lane, parameters[lane]->value);
   const FloatN value = constants.all();
   const TexturesOf of(parameters, textures);
   if (of.textured == 0) return value;
-  return select(MaskN::from_bits(of.textured), value * Texture::evaluate(of.textures, uv).r, value);
+  return select(MaskN::from_bits(of.textured), value * of.evaluate(textures, at).r, value);
 }
 
 }  // namespace tessera::core

@@ -55,8 +55,10 @@ class Writer {
     (*this)(static_cast<std::uint32_t>(value.index()));
     std::visit(*this, value);
   }
-  // An image that several textures share is written once.
+  // An image that several textures share is written once; procedural textures have none.
   void operator()(const std::shared_ptr<const TextureImage>& image) {
+    (*this)(image != nullptr);
+    if (!image) return;
     const auto [known, is_new] = images_.emplace(image.get(), static_cast<std::uint32_t>(images_.size()));
     (*this)(known->second);
     if (is_new) (*this)(image->texels());
@@ -157,6 +159,8 @@ class Reader {
     good_ = good_ && index < own_index;
   }
   void operator()(std::shared_ptr<const TextureImage>& image) {
+    image = nullptr;
+    if (!read<bool>() || !good_) return;
     const auto index = read<std::uint32_t>();
     good_ = good_ && index <= images_.size();
     if (!good_) return;

@@ -16,6 +16,7 @@
 #include "core/scene/tables/material_tables.hpp"
 #include "core/scene/tables/medium_tables.hpp"
 #include "core/scene/tables/shape_tables.hpp"
+#include "core/scene/tables/texture_tables.hpp"
 
 namespace tessera::core::stored {
 
@@ -65,8 +66,8 @@ auto fields(Is<TextureImage::Texels> auto& value) {
   return std::tie(width, height, format, tiles, floats);
 }
 auto fields(Is<Texture> auto& value) {
-  auto& [image, wrap, scale, offset, wrap_v, shear, uv_set, filter] = value;
-  return std::tie(image, wrap, scale, offset, wrap_v, shear, uv_set, filter);
+  auto& [image, wrap, scale, offset, wrap_v, shear, uv_set, filter, procedural] = value;
+  return std::tie(image, wrap, scale, offset, wrap_v, shear, uv_set, filter, procedural);
 }
 auto fields(Is<ColorParameter> auto& value) {
   auto& [color, texture] = value;
@@ -258,6 +259,14 @@ constexpr bool is_known(Wrap value) {
     case Wrap::kRepeat:
     case Wrap::kClamp:
     case Wrap::kMirror:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(PatternSpace value) {
+  switch (value) {
+    case PatternSpace::kPosition:
+    case PatternSpace::kUv:
       return true;
   }
   return false;

@@ -124,11 +124,15 @@ SceneDescription SceneAssembler::assemble(SceneFile file) {
 }
 
 void SceneAssembler::add_texture(const TextureEntry& entry) {
+  if (entry.procedural) {
+    scene_.textures.push_back({.image = nullptr, .uv_set = entry.uv_set, .procedural = entry.procedural});
+    return;
+  }
   auto image =
       cache_.image(entry.file, entry.color_space, entry.channel, FloatFiles::kRefuseSrgb, entry.layer);
   if (!image) mistakes_.add(entry.file_place, image.error().message, image.error().code);
   scene_.textures.push_back({image ? *image : nullptr, entry.wrap, entry.scale, entry.offset, entry.wrap_v,
-                             entry.shear, entry.uv_set, entry.filter});
+                             entry.shear, entry.uv_set, entry.filter, std::nullopt});
 }
 
 void SceneAssembler::add_grid(const GridEntry& entry) {

@@ -31,7 +31,7 @@ void check_plausibility(const SceneDescription& scene, const std::vector<Place>&
     for (const auto& share : shares_of(scene.materials[i])) {
       if (share.texture < 0) continue;
       const Texture& texture = scene.textures[static_cast<std::size_t>(share.texture)];
-      const float largest = max_component(texture.image->largest() * share.value);
+      const float largest = max_component(texture.largest() * share.value);
       if (largest > 1)
         mistakes.add(
             i < material_places.size() ? material_places[i] : shapes_place,

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads textures and materials of a scene file.
+// Reads materials of a scene file.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <concepts>
-#include <set>
 
 #include "core/scene/loader/scene_file.hpp"
 #include "core/scene/loader/table_reader.hpp"
@@ -14,14 +12,7 @@
 namespace tessera::core {
 namespace {
 
-using scene_keys::kChannels;
-using scene_keys::kColorSpaces;
 using scene_keys::kMaterialTypes;
-using scene_keys::kTextureFilters;
-using scene_keys::kUvSets;
-using scene_keys::kWraps;
-
-using Words = std::span<const std::string_view>;
 
 // The key, with its default if the file does not set it: 'specular'.
 std::string name_with_default(const TableReader& read, std::string_view key, const ColorParameter& value) {
@@ -119,72 +110,7 @@ Material read_material(const Field& field, const std::string& name, const KnownN
   return material;
 }
 
-// The textures that are used as colours, and those used as numbers.
-struct TextureUses {
-  std::set<int> colors, numbers;
-
-  template <typename Value>
-  void add(const Value& value) {
-    if constexpr (std::same_as<Value, ColorParameter>) colors.insert(value.texture);
-    if constexpr (std::same_as<Value, ScalarParameter> || std::same_as<Value, NormalMap> ||
-                  std::same_as<Value, BumpMap> || std::same_as<Value, TangentMap>)
-      numbers.insert(value.texture);
-  }
-};
-
-TextureUses uses_of(const SceneFile& scene) {
-  TextureUses uses;
-  if (scene.environment) uses.add(scene.environment->radiance);
-  for (const auto& entry : scene.materials)
-    visit_keys(entry.material, [&](const auto&, const auto& value) { uses.add(value); });
-  return uses;
-}
-
 }  // namespace
-
-int read_texture_name(const Field& field, const std::vector<TextureEntry>& textures) {
-  const std::string name = read_text(field);
-  const auto found =
-      std::find_if(textures.begin(), textures.end(), [&](const auto& t) { return t.name == name; });
-  if (found != textures.end()) return static_cast<int>(found - textures.begin());
-  std::vector<std::string_view> known;
-  for (const auto& texture : textures) known.push_back(texture.name);
-  if (!name.empty())
-    field.mistake(fmt::format("there is no texture {}{}", in_quotes(name), suggestion(name, known)));
-  return -1;
-}
-
-std::vector<TextureEntry> read_textures(const Field& field) {
-  std::vector<TextureEntry> textures;
-  for (const auto& [name, entry] : read_named(field)) {
-    const ObjectReader object(entry, scene_keys::kTexture);
-    TextureEntry texture;
-    texture.name = name;
-    if (const auto file = object.find("file")) {
-      texture.file = read_text(*file);
-      texture.file_place = file->place();
-    }
-    if (const auto space = object.find("color_space"))
-      texture.color_space = static_cast<ColorSpace>(read_choice(*space, Words(kColorSpaces)));
-    texture.channel = read_or(object, "channel", texture.channel, read_choice, Words(kChannels));
-    if (const auto layer = object.find("layer")) {
-      texture.layer = read_text(*layer);
-      if (texture.channel == TextureChannel::kAlpha) layer->mistake("a layer has no alpha; name its channel");
-    }
-    if (const auto space = object.find("color_space"); space && texture.channel == TextureChannel::kAlpha)
-      space->mistake("alpha has no colour space; leave this out");
-    texture.wrap = read_or(object, "wrap", texture.wrap, read_choice, Words(kWraps));
-    texture.scale = read_or(object, "scale", texture.scale, read_vec2, ranges::kAny);
-    texture.offset = read_or(object, "offset", texture.offset, read_vec2, ranges::kAny);
-    if (const auto wrap = object.find("wrap_v"))
-      texture.wrap_v = static_cast<Wrap>(read_choice(*wrap, Words(kWraps)));
-    texture.shear = read_or(object, "shear", texture.shear, read_vec2, ranges::kAny);
-    texture.uv_set = read_or(object, "uv_set", texture.uv_set, read_choice, Words(kUvSets));
-    texture.filter = read_or(object, "filter", texture.filter, read_choice, Words(kTextureFilters));
-    textures.push_back(std::move(texture));
-  }
-  return textures;
-}
 
 std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<TextureEntry>& textures,
                                           const std::vector<MediumDescription>& media) {
@@ -196,16 +122,6 @@ std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<
     materials.push_back({std::move(material), entry.place(), std::move(tracks)});
   }
   return materials;
-}
-
-void settle_color_spaces(SceneFile& scene) {
-  const TextureUses uses = uses_of(scene);
-  for (std::size_t i = 0; i < scene.textures.size(); ++i) {
-    const auto index = static_cast<int>(i);
-    auto& color_space = scene.textures[i].color_space;
-    if (!color_space && uses.numbers.contains(index) && !uses.colors.contains(index))
-      color_space = ColorSpace::kLinear;
-  }
 }
 
 }  // namespace tessera::core

@@ -18,6 +18,7 @@
 
 namespace tessera::core {
 
+// An image file or a procedural texture.
 struct TextureEntry {
   std::string name, file;
   Place file_place;
@@ -30,6 +31,7 @@ struct TextureEntry {
   Vec2 shear{0, 0};
   UvSet uv_set = UvSet::kFirst;
   TextureFilter filter = TextureFilter::kLinear;
+  std::optional<ProceduralTexture> procedural{};
 };
 
 struct GridEntry {

@@ -137,10 +137,43 @@ int TextureConverter::height_map(const Plugin& plugin, const TextureSite& site) 
   return conversion_.builder.add_texture(*heights.texture);
 }
 
+namespace {
+
+// Larger images differ by less than a tenth of a degree, and are kept as they are.
+constexpr int kMaxResampledRows = 1024;
+
+// Mitsuba's rows are at equal angles from one pole to the other, where the first and the last one lie; ours
+// are in the middle of strips. Several of ours lie between its rows, with their sums; the more there are, the
+// less they blur.
+TextureImage with_rows_between_poles(const TextureImage& image) {
+  constexpr int kMaxRows = 2 * kMaxResampledRows, kMaxBetween = 8;
+  const int gaps = image.height() - 1, between = std::min(kMaxRows / gaps, kMaxBetween);
+  std::vector<float> values;
+  values.reserve(3 * static_cast<std::size_t>(between * gaps) * static_cast<std::size_t>(image.width()));
+  for (int row = 0; row < between * gaps; ++row)
+    for (int x = 0; x < image.width(); ++x) {
+      const float share = (static_cast<float>(row % between) + 0.5f) / static_cast<float>(between);
+      const int above = row / between;
+      const Rgb c = image.texel(x, above) * (1 - share) + image.texel(x, above + 1) * share;
+      values.insert(values.end(), {c.r, c.g, c.b});
+    }
+  return TextureImage(image.width(), between * gaps, std::move(values));
+}
+
+}  // namespace
+
 std::optional<Texture> TextureConverter::environment_image(const Plugin& emitter) {
   Texture texture;
   texture.image = load(emitter, ColorSpace::kSrgb);
-  return texture.image ? std::optional(texture) : std::nullopt;
+  if (!texture.image) return std::nullopt;
+  const TextureImage& image = *texture.image;
+  if (image.height() < 2 || image.height() > kMaxResampledRows) return texture;
+  auto resampled = conversion_.builder.image_pixels("environment", with_rows_between_poles(image));
+  if (resampled)
+    texture.image = std::move(*resampled);
+  else
+    emitter.warn(resampled.error().message);
+  return texture;
 }
 
 std::optional<TextureConverter::Value> TextureConverter::value(const Plugin& owner, std::string_view name,
@@ -175,6 +208,7 @@ TextureConverter::Value TextureConverter::convert(const Plugin& plugin, const Te
     const auto constant = value(plugin, plugin.has("color") ? "color" : "value", site);
     return constant.value_or(Value{});
   }
+  if (type == "volume") return volume(plugin, site);
   if (type == "d65") {
     auto constant = value(plugin, "color", site).value_or(Value{});
     constant.factor *= plugin.real("scale", 1);
@@ -185,6 +219,16 @@ TextureConverter::Value TextureConverter::convert(const Plugin& plugin, const Te
     return {samples ? rgb_of(*samples) : Rgb::gray(kNoTexture), {}};
   }
   plugin.warn(fmt::format("this texture is not supported; the constant {} replaces it", kNoTexture));
+  return {Rgb::gray(kNoTexture), {}};
+}
+
+// A volume as a texture: those that are the same everywhere.
+TextureConverter::Value TextureConverter::volume(const Plugin& plugin, const TextureSite& site) {
+  const auto child = plugin.child("volume");
+  if (!child) return value(plugin, "volume", site).value_or(Value{Rgb::gray(1), {}});
+  if (child->type() == "constvolume") return value(*child, "value", site).value_or(Value{Rgb::gray(1), {}});
+  child->warn(fmt::format("grids are supported in media only; the constant {} replaces it", kNoTexture));
+  child->ignore_all();
   return {Rgb::gray(kNoTexture), {}};
 }
 

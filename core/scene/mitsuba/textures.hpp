@@ -56,7 +56,7 @@ class TextureConverter {
   int normal_map(const Plugin& texture, const TextureSite& site);
   // The texture of a bump map, or -1.
   int height_map(const Plugin& texture, const TextureSite& site);
-  // The image of an environment, which keeps its values.
+  // The image of an environment, with rows between the poles instead of from pole to pole.
   std::optional<Texture> environment_image(const Plugin& emitter);
 
  private:
@@ -72,6 +72,7 @@ class TextureConverter {
   // Each texture is converted once for a site: textures can be parts of others.
   Value texture(const Plugin& plugin, const TextureSite& site);
   Value convert(const Plugin& plugin, const TextureSite& site);
+  Value volume(const Plugin& plugin, const TextureSite& site);
   Value bitmap(const Plugin& plugin, const TextureSite& site);
   Value checkerboard(const Plugin& plugin, const TextureSite& site);
   Value attribute(const Plugin& plugin, const TextureSite& site);

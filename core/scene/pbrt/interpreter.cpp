@@ -35,6 +35,14 @@ std::size_t count_values(const Parameters& parameters) {
   return count;
 }
 
+// The name of an option, which counts without capitals, dashes and underscores.
+std::string without_separators(std::string_view name) {
+  std::string plain;
+  for (const char c : name)
+    if (c != '-' && c != '_') plain += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return plain;
+}
+
 }  // namespace
 
 Interpreter::Handler Interpreter::handler_of(std::string_view directive) {
@@ -259,9 +267,37 @@ Status Interpreter::sampler(File& file) {
   return read_setting(file, view_.sampler);
 }
 
-// Options have a name and a value, as parameters.
+// An option has a name and a value: "seed" 7. They may also be written as a parameter: "integer seed" 7.
+Result<Parameters> Interpreter::option_value(File& file) {
+  const auto name = file.tokens.peek();
+  if (!name) return at(file, name.error());
+  if (!name->is(Token::Kind::kString) || name->text.find(' ') != std::string_view::npos)
+    return parameters(file);
+  Parameter option;
+  option.name = without_separators(*text(file));
+  option.line = file.tokens.line();
+  const auto value = file.tokens.next();
+  if (!value) return at(file, value.error());
+  if (value->is(Token::Kind::kString)) {
+    option.type = "string";
+    option.strings = {value->value()};
+  } else if (value->text == "true" || value->text == "false") {
+    option.type = "bool";
+    option.booleans = {value->text == "true"};
+  } else if (const auto number = parse_number(value->text)) {
+    option.type = "float";
+    option.floats = {*number};
+  } else {
+    return report_.error(place(file), fmt::format("the option {} needs a value, got {}",
+                                                  in_quotes(option.name), in_quotes(value->text)));
+  }
+  Parameters given(place(file));
+  given.add(std::move(option));
+  return given;
+}
+
 Status Interpreter::option(File& file) {
-  const auto given = parameters(file);
+  const auto given = option_value(file);
   if (!given) return fail(given.error());
   // What does not change the mean of the image.
   for (const char* known :

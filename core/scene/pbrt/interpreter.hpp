@@ -89,6 +89,7 @@ class Interpreter {
   Status object_end(File& file);
   Status object_instance(File& file);
   Status option(File& file);
+  Result<Parameters> option_value(File& file);
   Status pixel_filter(File& file);
   Status reverse_orientation(File& file);
   Status rotate_directive(File& file);

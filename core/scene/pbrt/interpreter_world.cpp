@@ -57,7 +57,7 @@ Status Interpreter::texture(File& file) {
   }
   const auto given = parameters(file, AttributeTarget::kTexture);
   if (!given) return fail(given.error());
-  return textures_.define(words[0], words[1], words[2], *given);
+  return textures_.define(words[0], words[1], words[2], *given, still_transform(place(file), "the texture"));
 }
 
 Status Interpreter::make_named_medium(File& file) {

@@ -239,7 +239,7 @@ Materials::Model Materials::coated_diffuse(const Parameters& p) {
 
 Materials::Model Materials::conductor(const Parameters& p, const std::string& prefix) {
   ConductorMaterial metal;
-  if (const TexturePtr reflectance = textures_.color(p, prefix + "reflectance", SpectrumRole::kAlbedo)) {
+  if (const TexturePtr reflectance = textures_.color(p, "reflectance", SpectrumRole::kAlbedo)) {
     const Rgb* constant = constant_of(reflectance);
     if (constant != nullptr) {
       metal.eta = {Rgb::gray(1), -1};

@@ -8,8 +8,18 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/overloaded.hpp"
+
 namespace tessera::core::pbrt {
 namespace {
+
+// A colour as patterns may have it.
+Rgb pattern_constant(Rgb color) {
+  const auto in_range = [](float c) {
+    return std::isfinite(c) ? std::clamp(c, -kMaxPatternValue, kMaxPatternValue) : 0.0f;
+  };
+  return {in_range(color.r), in_range(color.g), in_range(color.b)};
+}
 
 constexpr int kMaxBakedSide = 4096, kMaxCellTexels = 64, kMaxPeriods = 32;
 
@@ -208,7 +218,71 @@ Result<ColorParameter> TextureBaker::convert(const TexturePtr& texture, float li
     made.filter = image->filter;
     return ColorParameter{factor, builder_.add_texture(made)};
   }
-  return bake(texture, limit, place);
+  return texture->has_patterns ? procedural(*texture, limit, place) : bake(texture, limit, place);
+}
+
+Result<ColorParameter> TextureBaker::procedural(const TextureNode& texture, float max, const Place& place) {
+  auto pattern = pattern_of(texture, place);
+  if (!pattern) return fail(pattern.error());
+  pattern->max = std::min(max, kMaxPatternValue);
+  return ColorParameter{Rgb::gray(1), builder_.add_texture({.image = nullptr, .procedural = *pattern})};
+}
+
+// An input of a pattern, which may be of any sign.
+Result<ColorParameter> TextureBaker::input(const TexturePtr& texture, const Place& place) {
+  if (const Rgb* constant = constant_of(texture)) return ColorParameter{pattern_constant(*constant), -1};
+  return color(texture, kMaxPatternValue, place);
+}
+
+namespace {
+
+ScalarParameter red_of(const ColorParameter& color) {
+  return {color.value.r, color.texture};
+}
+
+// Sets the inputs of a pattern; the others have none.
+void set_inputs(Pattern& pattern, const ColorParameter& a, const ColorParameter& b) {
+  if (auto* board = std::get_if<CheckerboardPattern>(&pattern)) board->even = a, board->odd = b;
+  if (auto* dots = std::get_if<DotsPattern>(&pattern)) dots->outside = a, dots->inside = b;
+}
+
+}  // namespace
+
+// Nodes of images alone do not come here: they have no patterns among their children.
+Result<ProceduralTexture> TextureBaker::pattern_of(const TextureNode& texture, const Place& place) {
+  std::vector<ColorParameter> inputs;
+  std::optional<Error> error;
+  visit_children(texture, [&](const TexturePtr& child) {
+    auto made = input(child, place);
+    if (made) inputs.push_back(*made);
+    if (!made && !error) error = made.error();
+  });
+  if (error) return fail(*error);
+  ProceduralTexture made;
+  std::visit(Overloaded{
+                 [&](const PatternNode& n) {
+                   made = {n.pattern, n.space, n.transform};
+                   if (n.a) set_inputs(made.pattern, inputs[0], inputs[1]);
+                 },
+                 [&](const CheckerNode& n) {
+                   made = {CheckerboardPattern{inputs[0], inputs[1]}, PatternSpace::kUv, map_of(n.mapping)};
+                 },
+                 [&](const BlendNode&) {
+                   made.pattern = MixPattern{inputs[0], inputs[1], red_of(inputs[2])};
+                 },
+                 [&](const ProductNode&) {
+                   made.pattern = ProductPattern{inputs[0], inputs[1]};
+                 },
+                 [&](const AffineNode& n) {
+                   made.pattern = ProductPattern{inputs[0], {pattern_constant(n.scale), -1}};
+                 },
+                 [&](const PowerNode& n) {
+                   made.pattern = PowerPattern{inputs[0], n.exponent};
+                 },
+                 [](const auto&) {},
+             },
+             texture.node);
+  return made;
 }
 
 Result<ColorParameter> TextureBaker::bake(const TexturePtr& texture, float limit, const Place& place) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts textures to the parameters of materials: constants, plain images with a factor, or an image into
-// which the texture is evaluated. Not thread-safe.
+// Converts textures to the parameters of materials: constants, plain images with a factor, procedural
+// textures, or an image into which the texture is evaluated. Not thread-safe.
 #pragma once
 
 #include <map>
@@ -26,6 +26,10 @@ class TextureBaker {
 
  private:
   Result<ColorParameter> convert(const TexturePtr& texture, float limit, const Place& place);
+  // Of a texture with patterns; materials see values up to `max`.
+  Result<ColorParameter> procedural(const TextureNode& texture, float max, const Place& place);
+  Result<ProceduralTexture> pattern_of(const TextureNode& texture, const Place& place);
+  Result<ColorParameter> input(const TexturePtr& texture, const Place& place);
   Result<ColorParameter> bake(const TexturePtr& texture, float limit, const Place& place);
 
   SceneBuilder& builder_;

@@ -43,7 +43,19 @@ Rgb bilinear_at(const BilinearNode& n, Vec2 st) {
   return at_least_0(lerp(lerp(n.v00, n.v10, s), lerp(n.v01, n.v11, s), t));
 }
 
+float not_0(float scale) {
+  constexpr float kFlat = 1e-6f;
+  return scale == 0 ? kFlat : scale;
+}
+
 }  // namespace
+
+Transform map_of(const UvMapping& mapping) {
+  return {{not_0(mapping.scale.x), 0, 0},
+          {0, not_0(mapping.scale.y), 0},
+          {0, 0, 1},
+          {mapping.offset.x, mapping.offset.y, 0}};
+}
 
 TexturePtr constant_texture(Rgb value) {
   return std::make_shared<const TextureNode>(TextureNode{ConstantNode{value}, 1});
@@ -51,9 +63,12 @@ TexturePtr constant_texture(Rgb value) {
 
 TexturePtr make_texture(const decltype(TextureNode::node)& node) {
   TextureNode made{node, 1};
-  bool is_constant = !std::holds_alternative<ImageNode>(node) && !std::holds_alternative<BilinearNode>(node);
+  made.has_patterns = std::holds_alternative<PatternNode>(node);
+  bool is_constant = !made.has_patterns && !std::holds_alternative<ImageNode>(node) &&
+                     !std::holds_alternative<BilinearNode>(node);
   visit_children(made, [&](const TexturePtr& child) {
     made.weight += child->weight;
+    made.has_patterns |= child->has_patterns;
     is_constant &= constant_of(child) != nullptr;
   });
   if (const auto* checker = std::get_if<CheckerNode>(&node))
@@ -85,6 +100,7 @@ Rgb evaluate(const TextureNode& texture, Vec2 uv) {
             return Rgb{power(c.r, n.exponent), power(c.g, n.exponent), power(c.b, n.exponent)};
           },
           [&](const MeanNode& n) { return Rgb::gray(mean(evaluate(*n.base, uv))); },
+          [](const PatternNode&) { return Rgb{}; },
       },
       texture.node);
 }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Textures as functions of texture coordinates. They are evaluated when the scene is read: into an image
-// (texture_baker.hpp), unless they are a plain image. Immutable; thread-safe.
+// Textures as functions of texture coordinates, and of points in space. Those of texture coordinates are
+// evaluated when the scene is read: into an image (texture_baker.hpp), unless they are a plain image. Those
+// with patterns become procedural textures. Immutable; thread-safe.
 #pragma once
 
 #include <memory>
 #include <variant>
 
 #include "core/math/rgb.hpp"
+#include "core/math/transform.hpp"
 #include "core/math/vec3.hpp"
 #include "core/textures/texture.hpp"
 
@@ -22,6 +24,9 @@ struct UvMapping {
   Vec2 operator()(Vec2 uv) const { return {uv.x * scale.x + offset.x, uv.y * scale.y + offset.y}; }
   bool operator==(const UvMapping&) const = default;
 };
+
+// From (u, v, 0) to (s, t, 0). A scale of 0 becomes a small one, so that it has an inverse.
+Transform map_of(const UvMapping& mapping);
 
 struct ConstantNode {
   Rgb value;
@@ -73,24 +78,32 @@ struct MeanNode {
   TexturePtr base;
 };
 
-struct TextureNode {
-  std::variant<ConstantNode, ImageNode, AffineNode, ProductNode, BlendNode, CheckerNode, BilinearNode,
-               PowerNode, MeanNode>
-      node;
-  int weight = 1;  // the number of nodes that an evaluation visits
+// A pattern that is computed where a surface is hit. Its inputs are `a` and `b`, or null: those of a
+// checkerboard in space, or the outside and the inside of dots.
+struct PatternNode {
+  Pattern pattern;
+  PatternSpace space = PatternSpace::kPosition;
+  Transform transform{};  // from that space to the pattern's
+  TexturePtr a{}, b{};
 };
 
-// Textures that refer to more others are refused, so that evaluations are cheap and not deeply recursive.
-inline constexpr int kMaxTextureWeight = 500;
+struct TextureNode {
+  std::variant<ConstantNode, ImageNode, AffineNode, ProductNode, BlendNode, CheckerNode, BilinearNode,
+               PowerNode, MeanNode, PatternNode>
+      node;
+  int weight = 1;             // the number of nodes that an evaluation visits
+  bool has_patterns = false;  // in itself or its children
+};
 
 TexturePtr constant_texture(Rgb value);
-// Adds up the weights, and evaluates nodes of constants at once. nullptr beyond kMaxTextureWeight.
+// Adds up the weights, and evaluates nodes of constants at once. nullptr beyond kMaxTextureWeight, so that
+// evaluations are cheap and not deeply recursive.
 TexturePtr make_texture(const decltype(TextureNode::node)& node);
 
 // The value of a constant; nullptr for other textures.
 const Rgb* constant_of(const TexturePtr& texture);
 
-// Bilinear in images.
+// Bilinear in images. The texture must have no patterns.
 Rgb evaluate(const TextureNode& texture, Vec2 uv);
 
 // Calls visit(child) for each texture that `texture` refers to.
@@ -99,7 +112,9 @@ void visit_children(const TextureNode& texture, const Visit& visit) {
   std::visit(
       [&](const auto& n) {
         if constexpr (requires { n.base; }) visit(n.base);
-        if constexpr (requires { n.a; }) visit(n.a), visit(n.b);
+        if constexpr (requires { n.a; })
+          for (const TexturePtr& child : {n.a, n.b})
+            if (child) visit(child);
         if constexpr (requires { n.amount; }) visit(n.amount);
       },
       texture.node);

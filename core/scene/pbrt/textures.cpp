@@ -47,6 +47,12 @@ Encoding encoding_of(const Parameters& p, std::string_view file) {
   return {ColorSpace::kLinear, kDefaultGamma};
 }
 
+// As scene files give transforms.
+Transform without_negative_zeros(const Transform& t) {
+  constexpr Vec3 kZero{};
+  return {t.x_axis + kZero, t.y_axis + kZero, t.z_axis + kZero, t.origin + kZero};
+}
+
 bool is_gray(const TextureImage& image) {
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x) {
@@ -63,12 +69,12 @@ bool is_one_texel(const TextureImage& image) {
 }  // namespace
 
 Status Textures::define(const std::string& name, const std::string& type, const std::string& kind,
-                        const Parameters& p) {
+                        const Parameters& p, const Matrix& to_world) {
   const bool is_number = type == "float";
   if (!is_number && type != "spectrum" && type != "color")
     return report_.error(p.place(), fmt::format("the type of a texture is \"float\" or \"spectrum\", got {}",
                                                 in_quotes(type)));
-  auto texture = make(kind, p, is_number ? Kind::kNumber : Kind::kColor);
+  auto texture = make(kind, p, is_number ? Kind::kNumber : Kind::kColor, to_world);
   if (!texture) return fail(texture.error());
   if (*texture == nullptr)
     return report_.error(p.place(), fmt::format("the texture {} refers to too many others", in_quotes(name)));
@@ -81,7 +87,8 @@ Status Textures::define(const std::string& name, const std::string& type, const 
   return {};
 }
 
-Result<TexturePtr> Textures::make(const std::string& kind, const Parameters& p, Kind type) {
+Result<TexturePtr> Textures::make(const std::string& kind, const Parameters& p, Kind type,
+                                  const Matrix& to_world) {
   if (kind == "constant") return constant_texture(value(p, "value", 1, type));
   if (kind == "imagemap") return make_image(p, type);
   if (kind == "scale") {
@@ -101,26 +108,59 @@ Result<TexturePtr> Textures::make(const std::string& kind, const Parameters& p, 
                                      value(p, "v10", 0, type), value(p, "v11", 1, type), mapping(p)});
   if (kind == "checkerboard" && p.integer("dimension", 2) == 2)
     return make_texture(CheckerNode{input(p, "tex1", 1, type), input(p, "tex2", 0, type), mapping(p)});
+  if (const auto pattern = make_pattern(kind, p, type, to_world)) return pattern;
   return make_approximate(kind, p, type);
 }
 
-// Textures that depend on the position or the normal, as their mean.
-TexturePtr Textures::make_approximate(const std::string& kind, const Parameters& p, Kind type) {
-  constexpr float kDotsCoverage = 0.19f;
-  float amount = 0.5f;
-  TexturePtr a = constant_texture(kUnknownColor), b = a;
-  if (kind == "directionmix" || kind == "checkerboard") {
-    a = input(p, "tex1", kind == "checkerboard" ? 1 : 0, type);
-    b = input(p, "tex2", kind == "checkerboard" ? 0 : 1, type);
+TexturePtr Textures::make_pattern(const std::string& kind, const Parameters& p, Kind type,
+                                  const Matrix& to_world) {
+  constexpr float kMaxFactor = 1e4f, kMaxOctaveHeight = 10;
+  PatternNode node;
+  const auto read_octaves = [&](auto& noise) {
+    noise.octaves = std::clamp(p.integer("octaves", 8), 1, kMaxNoiseOctaves);
+    noise.roughness = p.number_in("roughness", 0.5f, 0, kMaxOctaveHeight);
+  };
+  const auto with_noise = [&](auto noise) {
+    read_octaves(noise);
+    return noise;
+  };
+  if (kind == "fbm") {
+    node.pattern = with_noise(FbmPattern());
+  } else if (kind == "wrinkled") {
+    node.pattern = with_noise(WrinkledPattern());
+  } else if (kind == "windy") {
+    node.pattern = WindyPattern();
+  } else if (kind == "marble") {
+    auto marble = with_noise(MarblePattern());
+    marble.scale = p.number_in("scale", 1, -kMaxFactor, kMaxFactor);
+    marble.variation = p.number_in("variation", 0.2f, -kMaxFactor, kMaxFactor);
+    node.pattern = marble;
+  } else if (kind == "checkerboard") {
+    node.pattern = CheckerboardPattern();
+    node.a = input(p, "tex1", 1, type);
+    node.b = input(p, "tex2", 0, type);
   } else if (kind == "dots") {
-    a = input(p, "outside", 0, type);
-    b = input(p, "inside", 1, type);
-    amount = kDotsCoverage;
+    return make_texture(PatternNode{DotsPattern(), PatternSpace::kUv, map_of(mapping(p)),
+                                    input(p, "outside", 0, type), input(p, "inside", 1, type)});
+  } else {
+    return nullptr;
   }
-  const std::string text = fmt::format(
-      "the texture {} depends on more than texture coordinates; its mean is used", in_quotes(kind));
+  // The interpreter refuses transformations that flatten space.
+  node.transform = without_negative_zeros(inverse(to_world).value_or(Matrix()).transform());
+  return make_texture(node);
+}
+
+// Textures that depend on the normal, as their mean.
+TexturePtr Textures::make_approximate(const std::string& kind, const Parameters& p, Kind type) {
+  TexturePtr a = constant_texture(kUnknownColor), b = a;
+  if (kind == "directionmix") {
+    p.find("dir");
+    a = input(p, "tex1", 0, type);
+    b = input(p, "tex2", 1, type);
+  }
+  const std::string text = fmt::format("the texture {} is not supported; its mean is used", in_quotes(kind));
   report_.warn(p.place(), text, text);
-  return make_texture(BlendNode{a, b, constant_texture(Rgb::gray(amount))});
+  return make_texture(BlendNode{a, b, constant_texture(Rgb::gray(0.5f))});
 }
 
 Result<TexturePtr> Textures::make_image(const Parameters& p, Kind type) {

@@ -8,6 +8,7 @@
 
 #include "core/base/error.hpp"
 #include "core/scene/pbrt/colors.hpp"
+#include "core/scene/pbrt/matrix.hpp"
 #include "core/scene/pbrt/report.hpp"
 #include "core/scene/pbrt/texture_node.hpp"
 
@@ -19,10 +20,10 @@ class Textures {
   Textures(SceneBuilder& builder, const Report& report, Colors& colors)
       : builder_(builder), report_(report), colors_(colors) {}
 
-  // The directive Texture "name" "type" "kind". A kind that is not supported becomes a constant, with a
-  // warning. Fails for images beyond the limits.
+  // The directive Texture "name" "type" "kind" where this transformation is current. A kind that is not
+  // supported becomes a constant, with a warning. Fails for images beyond the limits.
   Status define(const std::string& name, const std::string& type, const std::string& kind,
-                const Parameters& p);
+                const Parameters& p, const Matrix& to_world);
 
   // The parameter as a texture of colours; null if it is not given.
   TexturePtr color(const Parameters& p, std::string_view name, SpectrumRole role);
@@ -37,7 +38,9 @@ class Textures {
  private:
   enum class Kind { kNumber, kColor };
 
-  Result<TexturePtr> make(const std::string& kind, const Parameters& p, Kind type);
+  Result<TexturePtr> make(const std::string& kind, const Parameters& p, Kind type, const Matrix& to_world);
+  // Null for other kinds.
+  TexturePtr make_pattern(const std::string& kind, const Parameters& p, Kind type, const Matrix& to_world);
   Result<TexturePtr> make_image(const Parameters& p, Kind type);
   TexturePtr make_approximate(const std::string& kind, const Parameters& p, Kind type);
   // A parameter of a texture, which is of the texture's type.

@@ -11,6 +11,7 @@
 #include "core/scene/tables/material_tables.hpp"
 #include "core/scene/tables/medium_tables.hpp"
 #include "core/scene/tables/shape_tables.hpp"
+#include "core/scene/tables/texture_tables.hpp"
 
 namespace tessera::core {
 
@@ -30,6 +31,8 @@ void for_each_table(const Visit& visit) {
     visit(type, name, kKeys<T>);
   };
   visit_own(std::type_identity<CameraDescription>(), "camera");
+  for_each_type<Pattern>(scene_keys::kPatternTypes, visit_own);
+  visit_own(std::type_identity<ProceduralTexture>(), "procedural_texture");
   for_each_type<MaterialModel>(scene_keys::kMaterialTypes, visit_own);
   visit_own(std::type_identity<Material>(), "material");
   visit_own(std::type_identity<MediumDescription>(), "medium");

@@ -177,7 +177,7 @@ Json SchemaWriter::value_schema(const Domain& domain) {
   if constexpr (std::same_as<Value, bool>) return {{"type", "boolean"}};
   if (domain.range.or_zero)
     return {{"if", {{"not", {{"const", 0}}}}}, {"then", number_schema(domain.range, "integer")}};
-  return number_schema(domain.range);
+  return number_schema(domain.range, std::same_as<Value, int> ? "integer" : "number");
 }
 
 template <typename Owner, typename Entry>
@@ -233,6 +233,13 @@ UpdatedSchema SchemaWriter::update() {
                                  add_keys<Material>(kCommonKeys<Model>, keys);
                                  set_keys(keys, object_at(fmt::format("/$defs/{}", word)));
                                });
+  for_each_type<Pattern>(scene_keys::kPatternTypes,
+                         [&]<typename Kind>(std::type_identity<Kind>, std::string_view word) {
+                           Keys keys = keys_of_type(word);
+                           add_keys<Kind>(kKeys<Kind>, keys);
+                           add_keys<ProceduralTexture>(kKeys<ProceduralTexture>, keys);
+                           set_keys(keys, object_at(fmt::format("/$defs/{}_texture", word)));
+                         });
   for_each_type<LightDescription>(scene_keys::kLightTypes,
                                   [&]<typename Light>(std::type_identity<Light>, std::string_view word) {
                                     set_object<Light>(fmt::format("/$defs/{}", word), keys_of_type(word));

@@ -16,6 +16,7 @@
 #include "core/scene/writer/json_text.hpp"
 #include "core/scene/writer/material_text.hpp"
 #include "core/scene/writer/motion_text.hpp"
+#include "core/scene/writer/pattern_text.hpp"
 #include "core/scene/writer/shape_writer.hpp"
 #include "core/scene/writer/texture_writer.hpp"
 #include "core/scene/writer/volume_writer.hpp"
@@ -30,6 +31,10 @@ std::string float_text(float v) {
 }
 std::string integer_text(std::int64_t v) {
   return fmt::format("{}", v);
+}
+
+std::string name_of_texture(std::size_t index) {
+  return fmt::format("texture {}", index);
 }
 
 // Adds a number to names that are empty or were used before.
@@ -149,6 +154,11 @@ Status SceneWriter::add_textures(Object& textures) {
   std::map<const TextureImage*, std::pair<std::string, std::string_view>> files;
   for (std::size_t i = 0; i < scene_.textures.size(); ++i) {
     const Texture& texture = scene_.textures[i];
+    if (texture.procedural) {
+      textures.add(name_of_texture(i), pattern_text(texture, names_));
+      names_.textures.push_back(name_of_texture(i));
+      continue;
+    }
     const auto [known, is_new] = files.try_emplace(texture.image.get());
     if (is_new) {
       auto file = write_texture(*texture.image);
@@ -171,7 +181,7 @@ Status SceneWriter::add_textures(Object& textures) {
                      json_text::word(scene_keys::kUvSets, texture.uv_set));
     if (texture.filter == TextureFilter::kNearest)
       entry.add("filter", json_text::word(scene_keys::kTextureFilters, texture.filter));
-    names_.textures.push_back(fmt::format("texture {}", i));
+    names_.textures.push_back(name_of_texture(i));
     textures.add(names_.textures.back(), entry.on_one_line());
   }
   return {};

@@ -77,6 +77,7 @@ TEST_P(TwinScenes, HaveTheSameBytes) {
 constexpr std::array kScenes = std::to_array<TwinScene>({{"pyramids.gltf", "pyramids.json", Lack::kSettings},
                                                          {"materials.pbrt", "materials.json"},
                                                          {"materials.xml", "materials.json"},
+                                                         {"patterns.pbrt", "patterns.json"},
                                                          {"sheets.pbrt", "sheets.json"},
                                                          {"lights.pbrt", "lights.json"},
                                                          {"lights.xml", "lights.json"},

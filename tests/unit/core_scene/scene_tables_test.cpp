@@ -44,8 +44,8 @@ TEST(SceneTables, MakeTheSchema) {
 TEST(SceneTables, MakeTheReference) {
   const std::string page = contents("docs/scene-format.md");
   EXPECT_EQ(first_difference(page, update_reference(page)), "");
-  for_each_table([&](auto, std::string_view name, const auto&) {
-    if (name == "null") return;
+  for_each_table([&]<typename Table>(auto, std::string_view name, const Table&) {
+    if (std::tuple_size_v<Table> == 0) return;
     EXPECT_NE(page.find("<!-- keys of " + std::string(name) + " -->"), std::string::npos) << name;
   });
 }

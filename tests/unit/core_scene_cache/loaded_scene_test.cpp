@@ -85,6 +85,22 @@ TEST_F(LoadedScene, KeepsSecondTextureCoordinates) {
   EXPECT_EQ(read->textures.at(0).uv_set, UvSet::kSecond);
 }
 
+TEST_F(LoadedScene, KeepsProceduralTextures) {
+  SceneDescription scene = fingerprint_scene();
+  const auto last = static_cast<int>(scene.textures.size());
+  const ProceduralTexture marble{MarblePattern{3, 0.25f, 2, 0.5f}, PatternSpace::kUv, scaling({2, 3, 4}),
+                                 0.75f};
+  scene.textures.push_back({.image = nullptr, .uv_set = UvSet::kSecond, .procedural = marble});
+  scene.textures.push_back(
+      {.image = nullptr,
+       .procedural = ProceduralTexture{MixPattern{{Rgb::gray(0.5f), last}, {Rgb{1, 0, 0}, -1}, {0.5f, 0}}}});
+  const auto read = passed(scene);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->textures.at(static_cast<std::size_t>(last)).procedural, marble);
+  EXPECT_EQ(read->textures.back().procedural, scene.textures.back().procedural);
+  EXPECT_EQ(read->textures.back().image, nullptr);
+}
+
 TEST_F(LoadedScene, KeepsTangents) {
   SceneDescription scene = fingerprint_scene();
   MeshDescription& mesh = mesh_of(scene);
@@ -293,6 +309,12 @@ TEST_F(LoadedScene, WithIndicesOfNothingCannotBeBuilt) {
       [](SceneDescription& s) { s.materials[0].emission.texture = 1 << 30; },
       [](SceneDescription& s) { s.materials[0].normal_map.texture = 1 << 30; },
       [](SceneDescription& s) { s.materials[0].opacity.texture = 1 << 30; },
+      [](SceneDescription& s) { s.textures[0].image = nullptr; },
+      [](SceneDescription& s) {
+        const auto itself = static_cast<int>(s.textures.size());
+        s.textures.push_back(
+            {.image = nullptr, .procedural = ProceduralTexture{PowerPattern{{Rgb::gray(1), itself}, 2}}});
+      },
       [](SceneDescription& s) {
         s.shapes.emplace_back(InstanceDescription{1u << 30, {}, {}});
       },

@@ -321,6 +321,22 @@ TEST(MitsubaTexture, CheckerboardsAlternate) {
   EXPECT_EQ(looked_up(square, {0.625f, 0.125f}), Rgb::gray(0.1f));
 }
 
+TEST(MitsubaTexture, VolumesOfAConstantAreThat) {
+  const auto reflectance = [](const std::string& volume) {
+    const SceneDescription scene = scene_of(
+        "<shape type=\"rectangle\"><bsdf type=\"diffuse\"><texture type=\"volume\" name=\"reflectance\">" +
+        volume + "</texture></bsdf></shape>");
+    const bool is_grid = volume.find("gridvolume") != std::string::npos;
+    EXPECT_EQ(warnings_of(scene).find("grids are supported in media only") != std::string::npos, is_grid);
+    return std::get<Lambert>(scene.materials.at(0).model).albedo.value;
+  };
+  EXPECT_EQ(reflectance("<rgb name=\"volume\" value=\"0.25 0.5 0.75\"/>"), (Rgb{0.25f, 0.5f, 0.75f}));
+  EXPECT_EQ(reflectance("<volume type=\"constvolume\" name=\"volume\"><float name=\"value\" "
+                        "value=\"0.25\"/></volume>"),
+            Rgb::gray(0.25f));
+  EXPECT_EQ(reflectance("<volume type=\"gridvolume\" name=\"volume\"/>"), Rgb::gray(0.5f));
+}
+
 // Mitsuba's checkerboard returns the other colour where a number is looked up.
 TEST(MitsubaTexture, CheckerboardsOfNumbersBeginWithTheSecond) {
   const SceneDescription scene = scene_of(

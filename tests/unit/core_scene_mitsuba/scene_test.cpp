@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -185,6 +186,21 @@ TEST(MitsubaEmitter, EnvironmentMapsHaveTheirEdgeAtMinusZ) {
   const EquirectangularMap map(scene.environment->rotation_degrees);
   EXPECT_NEAR(map.uv_of(Vec3{1, 0, -1e-3f}).x, 0.25, 1e-3);
   EXPECT_NEAR(map.uv_of(Vec3{0, 0, 1}).x, 0.5, 1e-3);
+}
+
+// Of three rows, the middle one is the horizon, and the others are the poles.
+TEST(MitsubaEmitter, RowsOfEnvironmentMapsGoFromPoleToPole) {
+  Image sky(4, 3);
+  for (std::size_t x = 0; x < 4; ++x) sky.pixels[4 + x] = Rgb::gray(1);
+  const SceneDescription scene =
+      scene_of("<emitter type=\"envmap\"><string name=\"filename\" value=\"sky.hdr\"/></emitter>",
+               {{"sky.hdr", hdr(sky)}});
+  const TextureImage& image = *scene.textures.at(0).image;
+  ASSERT_EQ(image.height(), 16);
+  for (int y = 0; y < 16; ++y) {
+    const int from_pole = std::min(y, 15 - y);
+    EXPECT_EQ(image.texel(1, y).g, (static_cast<float>(from_pole) + 0.5f) / 8) << y;
+  }
 }
 
 TEST(MitsubaEmitter, SamplesAreIntegratedWithoutAnIlluminant) {

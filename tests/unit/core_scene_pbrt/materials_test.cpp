@@ -252,6 +252,10 @@ TEST(PbrtMaterials, CoatedMetalIsPrincipled) {
   EXPECT_NEAR(coated.specular_roughness.value, 0.5, 1e-6);
   // Seen from inside of the coat.
   EXPECT_NEAR(coated.base_color.value.r, fresnel_conductor(1.0f, Rgb::gray(1 / 1.5f), Rgb::gray(2)).r, 1e-5);
+  // The reflectance has no prefix. As a metal of index 1, r is k² / (4 + k²).
+  const auto tinted = model_of<Principled>("Material \"coatedconductor\" \"rgb reflectance\" [0.5 0.5 0.5]");
+  EXPECT_NEAR(tinted.base_color.value.g, fresnel_conductor(1.0f, Rgb::gray(1 / 1.5f), Rgb::gray(2 / 1.5f)).g,
+              1e-4);
   const auto brushed = model_of<Principled>(
       "Material \"coatedconductor\" \"float conductor.uroughness\" 0.1 \"float conductor.vroughness\" 0.2 "
       "\"float interface.uroughness\" 0.2 \"float interface.vroughness\" 0.1 \"bool remaproughness\" false");

@@ -149,8 +149,62 @@ TEST(PbrtTextures, WhatIsMissingIsGray) {
   EXPECT_EQ(surface.parameter().value, Rgb::gray(0.5f));
   EXPECT_THAT(warnings_of(surface.scene()), HasSubstr("scene.pbrt:2: the image 'gone.png' does not exist"));
   EXPECT_THAT(warnings_of(Reflectance("").scene()), HasSubstr("scene.pbrt:3: there is no texture 't'"));
-  EXPECT_THAT(warnings_of(Reflectance("Texture \"t\" \"spectrum\" \"marble\"").scene()),
-              HasSubstr("the texture 'marble' depends on more than texture coordinates"));
+  EXPECT_THAT(warnings_of(Reflectance("Texture \"t\" \"spectrum\" \"directionmix\"").scene()),
+              HasSubstr("the texture 'directionmix' is not supported; its mean is used"));
+}
+
+const ProceduralTexture& pattern_of(const Reflectance& surface) {
+  return surface.scene()
+      .textures.at(static_cast<std::size_t>(surface.parameter().texture))
+      .procedural.value();
+}
+
+TEST(PbrtTextures, PatternsInSpaceLieWhereTheyAreDefined) {
+  const Reflectance surface(
+      "Translate 1 0 0 Scale 2 2 2\n"
+      "Texture \"t\" \"spectrum\" \"marble\" \"integer octaves\" 3 \"float roughness\" 0.25 "
+      "\"float scale\" 4 \"float variation\" 0.5 Identity");
+  EXPECT_EQ(warnings_of(surface.scene()), "");
+  const ProceduralTexture& marble = pattern_of(surface);
+  EXPECT_EQ(marble.pattern, Pattern(MarblePattern{3, 0.25f, 4, 0.5f}));
+  EXPECT_EQ(marble.space, PatternSpace::kPosition);
+  EXPECT_EQ(marble.transform.point({3, 0, 0}), (Vec3{1, 0, 0}));
+  EXPECT_EQ(marble.max, 1);
+}
+
+TEST(PbrtTextures, PatternsMayHaveTexturesAndBePartsOfOthers) {
+  const Reflectance surface(
+      "Texture \"i\" \"spectrum\" \"imagemap\" \"string filename\" \"four.png\"\n"
+      "Texture \"f\" \"float\" \"fbm\"\n"
+      "Texture \"d\" \"spectrum\" \"dots\" \"texture inside\" \"i\" \"rgb outside\" [0 0 1] \"float uscale\" "
+      "4\n"
+      "Texture \"t\" \"spectrum\" \"mix\" \"texture tex1\" \"d\" \"rgb tex2\" [1 0 0] \"texture amount\" "
+      "\"f\"",
+      four_colors());
+  EXPECT_EQ(warnings_of(surface.scene()), "");
+  const auto& mix = std::get<MixPattern>(pattern_of(surface).pattern);
+  const auto& textures = surface.scene().textures;
+  const auto& dots = textures.at(static_cast<std::size_t>(mix.first.texture)).procedural.value();
+  EXPECT_EQ(mix.second, (ColorParameter{{1, 0, 0}, -1}));
+  EXPECT_EQ(textures.at(static_cast<std::size_t>(mix.amount.texture)).procedural->pattern,
+            Pattern(FbmPattern()));
+  EXPECT_EQ(dots.space, PatternSpace::kUv);
+  EXPECT_EQ(dots.transform.point({0.5f, 0.5f, 0}), (Vec3{2, 0.5f, 0}));
+  EXPECT_EQ(std::get<DotsPattern>(dots.pattern).outside.value, (Rgb{0, 0, 1}));
+  const int image = std::get<DotsPattern>(dots.pattern).inside.texture;
+  EXPECT_NE(textures.at(static_cast<std::size_t>(image)).image, nullptr);
+}
+
+// Checkerboards of texture coordinates alone stay images.
+TEST(PbrtTextures, CheckerboardsOfPatternsAreComputedWhereTheyAreHit) {
+  const Reflectance surface(
+      "Texture \"m\" \"spectrum\" \"marble\"\n"
+      "Texture \"t\" \"spectrum\" \"checkerboard\" \"texture tex1\" \"m\" \"float uscale\" 2 \"float "
+      "vscale\" 0");
+  EXPECT_TRUE(std::holds_alternative<CheckerboardPattern>(pattern_of(surface).pattern));
+  EXPECT_NE(pattern_of(surface).transform.determinant(), 0);
+  const Reflectance plain("Texture \"t\" \"spectrum\" \"checkerboard\"");
+  EXPECT_NE(plain.scene().textures.at(0).image, nullptr);
 }
 
 TEST(PbrtTextures, TexturesThatGrowWithoutEndAreRefused) {

@@ -29,6 +29,13 @@ TEST(PbrtView, DefaultsAreThoseOfTheFormat) {
   EXPECT_NEAR(scene.camera.vertical_fov_degrees, 90, 1e-3);
 }
 
+TEST(PbrtView, OptionsHaveANameAndAValue) {
+  const SceneDescription scene =
+      seen_by("Option \"disablepixeljitter\" true Option \"render-coord_sys\" \"world\" Option \"Seed\" 5\n");
+  EXPECT_EQ(scene.settings.seed, 5u);
+  EXPECT_EQ(warnings_of(scene), "");
+}
+
 TEST(PbrtView, SettingsAreRead) {
   const SceneDescription scene = seen_by(
       "Film \"rgb\" \"integer xresolution\" 80 \"integer yresolution\" 60 \"string filename\" \"a.exr\"\n"
