@@ -9,6 +9,6 @@
 
 namespace tessera::core {
 
-inline constexpr std::string_view kDeterminismFingerprint = "856b5075b21180bc";
+inline constexpr std::string_view kDeterminismFingerprint = "3efa5d46b96a2d39";
 
 }  // namespace tessera::core

@@ -195,7 +195,7 @@ class LightGuide::Builder {
     Cell cell{widened(box), (box.lower + box.upper) * 0.5f, reach, 0, 0};
     const float irradiance = flux / area_of(box);
     std::vector<DirectedLight> lights;
-    for (const auto& [position, normal, wi, distance, power, radiance] : photons) {
+    for (const auto& [position, normal, wi, distance, power, radiance, straight] : photons) {
       const float value = std::min(kLargestValue, kConcentration * radiance * dot(normal, wi) / irradiance);
       const float part = power / flux;
       lights.push_back({from_center(position - cell.center, cell.radius, wi), part, part * value});

@@ -26,6 +26,7 @@ struct Photon {
   // The luminance found by a path in the photon's direction that reaches the light by specular scattering
   // only; 0 if the photon was scattered diffusely in between.
   float radiance;
+  bool straight = false;  // whether light samples may find the same light (core/integrators/panes.hpp)
 };
 
 // Estimates the luminous irradiance at a photon's position from all light that is carried neither by

@@ -2,6 +2,7 @@
 #include "core/integrators/caustic_guide.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "core/integrators/caustic_casters.hpp"
 #include "core/integrators/direct_light.hpp"
 #include "core/integrators/opacity.hpp"
+#include "core/integrators/panes.hpp"
 #include "core/integrators/path_wavelength.hpp"
 #include "core/integrators/vertex.hpp"
 #include "core/sampling/sampler.hpp"
@@ -18,8 +20,6 @@
 namespace tessera::core {
 namespace {
 
-// The number of photon paths; each deposits any number of photons.
-constexpr std::uint32_t kPaths = 1u << 17, kPathsAtOnce = 1u << 10;
 constexpr int kMaxBounces = 12;
 // The number of segments of the paths that estimate other light: more add little accuracy.
 constexpr int kProbeDepth = 4;
@@ -55,10 +55,12 @@ std::optional<LightSample> sample_any_light(const Scene& scene, const LightSampl
 
 class PhotonTracer {
  public:
-  PhotonTracer(const Scene& scene, const LightSampler& lights, const CausticCasters& casters)
+  PhotonTracer(const Scene& scene, const LightSampler& lights, const CausticCasters& casters,
+               std::uint32_t paths)
       : scene_(scene),
         lights_(lights),
         casters_(casters),
+        paths_(paths),
         beyond_scene_(static_cast<float>(3 * scene.primitives().bounding_radius())) {}
 
   // Appends the photons that path `index` deposits.
@@ -66,7 +68,9 @@ class PhotonTracer {
     const Sampler sampler(kSeed, 0, kPhotonRow, index);
     const auto first = begin(sampler);
     if (!first) return;
-    auto [origin, ray, hit, enclosure, flux, radiance] = *first;
+    auto [origin, ray, hit, enclosure, flux, radiance, straight] = *first;
+    const Vec3 from_light = ray.direction;
+    PanePassage panes;
     float wavelength_nm = 0;
     for (int bounce = 0; bounce < kMaxBounces && hit.found() && luminance(flux) > 0; ++bounce) {
       const PathVertex vertex(scene_, ray, hit, enclosure.boundary,
@@ -74,15 +78,16 @@ class PhotonTracer {
       const float distance = length(vertex.position() - origin);
       if (!casters_.contain(hit) && !vertex.is_delta() && distance > 0)
         photons.push_back({vertex.position(), vertex.side_normal(), vertex.wo(), distance, luminance(flux),
-                           luminance(radiance)});
+                           luminance(radiance), straight && is_straight(from_light, ray.direction)});
       const auto u = sampler.pad(bounce_pad(bounce));
-      const auto next = vertex.sample({u[0], u[1]}, u[2]);
+      const auto [next, choice_weight] = scatter(vertex, {u[0], u[1]}, u[2]);
       if (!next) return;
-      const Rgb weight = next->weight * (next->eta * next->eta);
+      const Rgb weight = light_weight(*next);
       const float survival = std::min(1.0f, luminance(flux * weight) / luminance(flux));
       if (u[3] >= survival) return;
-      flux *= weight / survival;
+      flux *= weight * (choice_weight / survival);
       radiance = casters_.contain(hit) ? radiance * weight : Rgb{};
+      straight = straight && pass_pane(vertex, hit, next->wi, panes);
       wavelength_nm = vertex.wavelength_along(next->wi);
       const Ray scattered = vertex.ray_along(next->wi);
       const Met met =
@@ -96,13 +101,48 @@ class PhotonTracer {
   }
 
  private:
+  // Of light, which refraction does not compress as it does radiance.
+  static Rgb light_weight(const PathVertex::Scattered& next) { return next.weight * (next.eta * next.eta); }
+
+  struct Next {
+    std::optional<PathVertex::Scattered> way{};  // as paths choose it
+    float choice_weight = 1;                     // that flux has for having been chosen otherwise
+  };
+  // Glass reflects little light, but what arrives by reflection is as bright for the paths that find it. So
+  // ways are chosen by the square roots of their shares.
+  static Next scatter(const PathVertex& vertex, Vec2 u, float u_lobe) {
+    if (!vertex.is_delta()) return {vertex.sample(u, u_lobe)};
+    const auto [reflected, refracted, by_coat] = vertex.delta_branches();
+    if (!reflected || !refracted || by_coat) return {vertex.sample(u, u_lobe)};
+    const float of_reflected = luminance(light_weight(*reflected)),
+                of_refracted = luminance(light_weight(*refracted)), all = of_reflected + of_refracted;
+    if (!(of_reflected > 0 && of_refracted > 0)) return {vertex.sample(u, u_lobe)};
+    const float root = std::sqrt(of_reflected), chance = root / (root + std::sqrt(of_refracted));
+    const bool reflects = u_lobe < chance;
+    const float share = (reflects ? of_reflected : of_refracted) / all;
+    Next next{reflects ? reflected : refracted, share / (reflects ? chance : 1 - chance)};
+    next.way->weight *= 1 / share;
+    return next;
+  }
+
+  // Whether the surface may be that of a pane, and the light still become straight.
+  bool pass_pane(const PathVertex& vertex, const Hit& hit, Vec3 wi, PanePassage& panes) const {
+    const bool refracted = dot(wi, vertex.side_normal()) < 0,
+               inside = dot(vertex.surface().geometric_normal, vertex.wo()) < 0;
+    const bool passes =
+        vertex.is_delta() && panes.may_continue(refracted, inside) && is_pane_glass(scene_.material_of(hit));
+    panes = panes.beyond(refracted);
+    return passes;
+  }
+
   struct First {
     Vec3 origin;  // on the light
     Ray ray;      // from the origin, or from the last surface passed through
     Hit hit;      // on the caster
     Enclosure enclosure;
     Rgb flux;
-    Rgb radiance;  // Photon::radiance so far
+    Rgb radiance;   // Photon::radiance so far
+    bool straight;  // whether the light is that of the environment
   };
 
   // Starts at the caster and samples a light as next-event estimation does, so that all photons reach even
@@ -126,14 +166,16 @@ class PhotonTracer {
     if (length_squared(surface.position - position) > 1e-4f * length_squared(position - origin))
       return std::nullopt;
     const float cosine = std::fabs(dot(surface.geometric_normal, ray.direction));
-    const auto area = static_cast<float>(inverse_density / kPaths);
+    const auto area = static_cast<float>(inverse_density / paths_);
     const Rgb arriving = light->radiance * tint;
-    return First{origin, ray, hit, enclosure, arriving * (cosine * area / light->pdf), arriving};
+    return First{origin,   ray,          hit, enclosure, arriving * (cosine * area / light->pdf),
+                 arriving, !light->point};
   }
 
   const Scene& scene_;
   const LightSampler& lights_;
   const CausticCasters& casters_;
+  std::uint32_t paths_;
   float beyond_scene_;
 };
 
@@ -172,16 +214,19 @@ float probe_other_light(const Scene& scene, const LightSampler& lights, const Ph
 
 }  // namespace
 
-std::vector<Photon> trace_caustic_photons(const Scene& scene, const LightSampler& lights, int threads) {
+std::vector<Photon> trace_caustic_photons(const Scene& scene, const LightSampler& lights, int threads,
+                                          std::uint32_t photon_paths) {
+  assert(photon_paths % kPhotonPathsAtOnce == 0);
   const CausticCasters casters(scene);
   if (casters.empty() || lights.empty()) return {};
-  const PhotonTracer tracer(scene, lights, casters);
-  std::vector<std::vector<Photon>> parts(kPaths / kPathsAtOnce);
+  const PhotonTracer tracer(scene, lights, casters, photon_paths);
+  std::vector<std::vector<Photon>> parts(photon_paths / kPhotonPathsAtOnce);
   ParallelErrors errors;
 #pragma omp parallel for num_threads(threads) schedule(dynamic)
-  for (std::uint32_t part = 0; part < kPaths / kPathsAtOnce; ++part) {
+  for (std::uint32_t part = 0; part < parts.size(); ++part) {
     errors.run([&] {
-      for (std::uint32_t i = 0; i < kPathsAtOnce; ++i) tracer.trace(part * kPathsAtOnce + i, parts[part]);
+      for (std::uint32_t i = 0; i < kPhotonPathsAtOnce; ++i)
+        tracer.trace(part * kPhotonPathsAtOnce + i, parts[part]);
     });
   }
   errors.rethrow();
@@ -193,11 +238,12 @@ std::vector<Photon> trace_caustic_photons(const Scene& scene, const LightSampler
   return photons;
 }
 
-LightGuide build_caustic_guide(const Scene& scene, const LightSampler& lights, int threads) {
+LightGuide build_caustic_guide(const Scene& scene, const LightSampler& lights,
+                               std::span<const Photon> photons, int threads) {
   const auto other_light = [&](const Photon& place, std::uint32_t n) {
     return probe_other_light(scene, lights, place, n);
   };
-  return LightGuide::build(trace_caustic_photons(scene, lights, threads), other_light, threads);
+  return LightGuide::build(photons, other_light, threads);
 }
 
 }  // namespace tessera::core

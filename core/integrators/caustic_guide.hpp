@@ -3,6 +3,8 @@
 // polished metal between a light and a surface, which next-event estimation cannot sample.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/guiding/light_guide.hpp"
@@ -11,11 +13,16 @@
 
 namespace tessera::core {
 
+// The number of photon paths of every render; each deposits any number of photons.
+inline constexpr std::uint32_t kPhotonPaths = 1u << 17, kPhotonPathsAtOnce = 1u << 10;
+
 // The guide of a scene without media; empty if the scene has no caustics. `lights` samples all lights. Takes
 // some tenths of a second with up to `threads` threads; the result does not depend on `threads`.
-LightGuide build_caustic_guide(const Scene& scene, const LightSampler& lights, int threads);
+LightGuide build_caustic_guide(const Scene& scene, const LightSampler& lights,
+                               std::span<const Photon> photons, int threads);
 
-// Traces the photons from which the guide is built.
-std::vector<Photon> trace_caustic_photons(const Scene& scene, const LightSampler& lights, int threads);
+// Traces the photons from which the guide is built. `photon_paths` is a multiple of kPhotonPathsAtOnce.
+std::vector<Photon> trace_caustic_photons(const Scene& scene, const LightSampler& lights, int threads,
+                                          std::uint32_t photon_paths = kPhotonPaths);
 
 }  // namespace tessera::core

@@ -4,79 +4,14 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <optional>
 
-#include "core/integrators/direct_light.hpp"
 #include "core/integrators/opacity.hpp"
+#include "core/integrators/path_lanes.hpp"
 #include "core/integrators/path_wavelength.hpp"
 #include "core/integrators/path_weights.hpp"
 #include "core/math/lane_array.hpp"
 
 namespace tessera::core {
-
-// With fewer than kLaneCount paths, the other lanes repeat the first.
-struct PathTracer::Paths {
-  Paths(ColumnsView<const PathState> batch, ColumnsView<const Hit> all_hits, const ShadingBins& bins,
-        std::span<const std::uint32_t> slots)
-      : count(slots.size()),
-        continuing((1u << slots.size()) - 1),
-        states(batch, rows_of(slots)),
-        rays(batch.field(&PathState::ray), rows_of(slots)),
-        hits(all_hits, rows_of(slots)),
-        path(states.all(&PathState::path)),
-        throughput(states.all(&PathState::throughput)),
-        eta_scale(states.all(&PathState::eta_scale)),
-        guiding_pdf_ratio(states.all(&PathState::guiding_pdf_ratio)) {
-    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-      const std::uint32_t slot = states.row(lane);
-      materials[lane] = bins.material(slot);
-      emissive_lanes |= (lane < slots.size() && bins.is_emissive(slot) ? 1u : 0u) << lane;
-    }
-  }
-
-  // The lanes whose materials disperse light.
-  unsigned dispersive_lanes() const {
-    unsigned lanes = 0;
-    for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-      lanes |= (disperses(materials[lane]->model) ? 1u : 0u) << lane;
-    return lanes;
-  }
-
-  // Ends the paths that have reached the maximum depth.
-  void limit(std::span<const std::uint16_t> depths, int max_depth) {
-    for (std::size_t lane = 0; lane < count; ++lane)
-      if (depths[path[lane]] >= max_depth) continuing &= ~(1u << lane);
-  }
-
-  std::array<const Sampler*, kLaneCount> of(std::span<const Sampler> samplers) const {
-    std::array<const Sampler*, kLaneCount> of_lanes;
-    for (std::size_t lane = 0; lane < kLaneCount; ++lane) of_lanes[lane] = &samplers[path[lane]];
-    return of_lanes;
-  }
-
-  static WordLanes rows_of(std::span<const std::uint32_t> slots) {
-    // A vector that is written at once can be read before the writes are through.
-    if (slots.size() == kLaneCount) return WordLanes(U32xN::load(slots.data()));
-    WordLanes rows;
-    for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-      rows.set(lane, slots[lane < slots.size() ? lane : 0]);
-    return rows;
-  }
-
-  std::size_t count;
-  unsigned continuing;          // bit i for lane i: may have further vertices
-  unsigned emissive_lanes = 0;  // bit i for lane i: the hit may be emissive
-  RowLanes<PathState> states;
-  RayRows rays;
-  HitRows hits;
-  WordLanes path;
-  SurfaceBatch::Materials materials;
-  bool plain_triangles = false;  // in all lanes
-  RgbOf<FloatN> throughput;
-  FloatN eta_scale, guiding_pdf_ratio;
-  std::optional<WavelengthOf<FloatN>> light;  // if any of the materials disperses it
-  MaskN disperses_light = false;
-};
 
 PathTracer::PathTracer(const RenderPlan& plan, std::span<const Sampler> samplers, std::span<Rgb> radiance,
                        std::span<LightParts> parts)
@@ -85,6 +20,7 @@ PathTracer::PathTracer(const RenderPlan& plan, std::span<const Sampler> samplers
       light_sampler_(plan.light_sampler()),
       compensation_(mis_compensation(settings_.integrator)),
       guide_(plan.guide()),
+      through_panes_(plan.samples_through_panes()),
       lens_lights_(plan.lens_lights()),
       samplers_(samplers),
       radiance_(radiance),
@@ -203,8 +139,7 @@ void PathTracer::add_indirect(std::uint32_t path) {
 }
 
 // The random numbers for a decision at these paths' vertices; `pad_at` returns their pad, by depth.
-template <typename PadAt>
-std::array<FloatN, 4> PathTracer::numbers(const Paths& paths, int depth, PadAt pad_at) const {
+std::array<FloatN, 4> PathTracer::numbers(const Paths& paths, int depth, std::uint32_t (*pad_at)(int)) const {
   if (depth < static_cast<int>(kListsByDepth)) return Sampler::pads(paths.of(samplers_), pad_at(depth));
   std::array<std::uint32_t, kLaneCount> pads;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) pads[lane] = pad_at(depths_[paths.path[lane]]);
@@ -259,123 +194,9 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
   scatter(paths, vertices, guidance, depth);
 }
 
-// Adds the environment's radiance to escaped rays.
-void PathTracer::add_environment(const Paths& paths, int depth) {
-  for (std::size_t lane = 0; depth == 0 && !parts_.empty() && lane < paths.count; ++lane)
-    parts_[paths.path[lane]].escaped = true;
-  const std::uint32_t light = scene_.environment_light();
-  if (light == kNoLight || (depth == 0 && !scene_.environment().visible_to_camera())) return;
-  const LightSampleContexts last = paths.states.all(&PathState::last);
-  const Environment::Seen seen =
-      scene_.environment().see(last.normal, paths.rays.all(&Ray::direction), compensation_);
-  const RgbLanes radiance(seen.radiance);
-  const FloatLanes pdf(seen.pdf);
-  for (std::size_t lane = 0; lane < paths.count; ++lane) {
-    const RowView<PathState> state = paths.states.at(lane);
-    const float weight = emitter_hit_weight(light, state, [&] { return pdf[lane]; });
-    if (weight > 0)
-      add(paths.path[lane], state.get(&PathState::throughput) * radiance[lane] * weight, depth, light,
-          LightParts::Source::kEnvironment);
-  }
-}
-
-// Adds emission hit by the ray itself.
-void PathTracer::add_emission(RowView<PathState> state, const EmitterHit& hit, int depth) {
-  scene_.with_area_light(hit.light, hit.time, [&](const AreaLight& area) {
-    const auto pdf = [&] { return area.pdf(state.get(&PathState::last).position, hit.position); };
-    const float weight = depth == 0 && lens_lights_ != nullptr ? camera_ray_weight(state, hit, pdf())
-                                                               : emitter_hit_weight(hit.light, state, pdf);
-    if (weight > 0)
-      add(state.get(&PathState::path),
-          state.get(&PathState::throughput) * area.emitted(scene_.textures(), hit.position, hit.uv, hit.wo) *
-              weight,
-          depth, hit.light);
-  });
-}
-
-// Adds what a surface emits towards a ray that passes it.
-void PathTracer::add_passed_emission(RowView<PathState> state, const Ray& ray, const Hit& hit,
-                                     const SurfacePoint& surface, int depth) {
-  const std::uint32_t light = scene_.light_of(hit);
-  if (light == kNoLight) return;
-  add_emission(state,
-               {surface.position, scene_.primitives().uv_sets(hit, surface.uv), normalize(-ray.direction),
-                light, ray.time},
-               depth);
-}
-
-// The weight of light that a camera ray found, against connections to the lens.
-float PathTracer::camera_ray_weight(RowView<PathState> state, const EmitterHit& hit, float light_pdf) const {
-  return lens_lights_->weight(settings_.heuristic, {.focus = state.get(&PathState::last).position,
-                                                    .direction = -hit.wo,
-                                                    .time = hit.time,
-                                                    .light = hit.light,
-                                                    .light_pdf = light_pdf});
-}
-
-// The weight of light that a BSDF sample found. If the previous vertex could also have sampled it, `nee`
-// leaves it to light sampling and `mis` weighs it. `pdf` is the density of the direction, given the light.
-template <typename Pdf>
-float PathTracer::emitter_hit_weight(std::uint32_t light, RowView<PathState> state, Pdf pdf) const {
-  const float last_pdf = state.get(&PathState::last_pdf);
-  if (last_pdf == kDeltaPdf || settings_.integrator == Integrator::kNaive) return 1;
-  const float scale = state.get(&PathState::emitter_mis_scale);
-  if (settings_.integrator == Integrator::kNee || scale == 0) return 0;
-  const float pmf = light_sampler_.pmf(state.get(&PathState::last), light, compensation_);
-  return scale * mis_weight(settings_.heuristic, last_pdf, pmf * pdf());
-}
-
 // The rays are those that follow the paths'. Where nothing moves, rays have no times.
 void PathTracer::put_times(const Paths& paths, const NewRows<Ray>& rays) const {
   if (scene_.has_motion()) rays.put(&Ray::time, paths.rays.all(&Ray::time));
-}
-
-// Samples a light for each vertex, and evaluates what the vertex reflects of it along the path.
-template <typename Vertices>
-void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices, FloatN guide_share,
-                                   unsigned lit, int depth) {
-  const auto u = numbers(paths, depth, light_pad);
-  const FloatLanes coarse(u[2]), fine(u[3]);
-  std::array<double, kLaneCount> u_light;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-    u_light[lane] = combine_uniforms(coarse[lane], fine[lane]);
-  const LightSampleContexts light_contexts{vertices.position(), vertices.light_normal()};
-  const auto choices = light_sampler_.sample(light_contexts, u_light, lit, compensation_);
-  std::array<const Light*, kLaneCount> chosen{};
-  WordLanes of_lights;
-  FloatLanes pmf;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    const auto& [light, chance] = choices[lane];
-    if ((lit >> lane & 1) != 0 && light != kNoLight) chosen[lane] = &scene_.lights()[light];
-    of_lights.set(lane, light);
-    pmf.set(lane, chance);
-  }
-  const LightSamples lights =
-      sample_lights(chosen, scene_.textures(), light_contexts, {u[0], u[1]}, compensation_,
-                    scene_.has_motion() ? paths.rays.all(&Ray::time) : 0.0f);
-  const BsdfValueOf<FloatN> scattered = vertices.evaluate(lights.wi);
-  const MaskN found = lights.found & !is_black(scattered.value);
-  const FloatN light_pdf = pmf.all() * lights.pdf;
-  const FloatN weight = light_sample_weight(light_pdf, lights.delta, scattered.pdf * (1 - guide_share));
-  if (!any(found)) return;
-  const RayOf<FloatN> rays = vertices.rays_toward(lights);
-  const NewRows<Connection> added = connections_.push(found.bits());
-  const NewRows<Ray> shadow_rays = added.field(&Connection::ray);
-  shadow_rays.put(&Ray::origin, rays.origin);
-  shadow_rays.put(&Ray::direction, rays.direction);
-  shadow_rays.put(&Ray::t_max, rays.t_max);
-  put_times(paths, shadow_rays);
-  added.put(&Connection::path, paths.path.all());
-  added.put(&Connection::radiance,
-            paths.throughput * (scattered.value * lights.radiance) * (weight / light_pdf));
-  added.put(&Connection::light, of_lights.all());
-}
-
-// The weight of light that a light sample found, against the BSDF's density. Only light samples find delta
-// lights.
-FloatN PathTracer::light_sample_weight(FloatN light_pdf, MaskN delta, FloatN bsdf_pdf) const {
-  if (settings_.integrator != Integrator::kMis) return 1.0f;
-  return select(delta, FloatN(1.0f), mis_weight(settings_.heuristic, light_pdf, bsdf_pdf));
 }
 
 struct PathTracer::Directions {
@@ -417,6 +238,16 @@ void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Gui
   states.put(&PathState::last, {vertices.position(), vertices.light_normal()});
   states.put(&PathState::emitter_mis_scale, next.emitter_mis_scale);
   states.put(&PathState::guiding_pdf_ratio, guiding_pdf_ratio);
+  if (through_panes_)
+    put_straight(paths,
+                 {{vertices.position(), vertices.light_normal()},
+                  next.wi,
+                  next.bsdf_pdf,
+                  next.emitter_mis_scale,
+                  next.delta,
+                  dot(next.wi, vertices.side_normal()) < 0,
+                  dot(vertices.surface().geometric_normal, vertices.wo()) < 0},
+                 states, depth);
   if (!scene_.has_dispersion()) return;
   const MaskN refracted = paths.disperses_light & (dot(next.wi, vertices.side_normal()) < 0);
   states.put(&PathState::wavelength_nm, paths.light ? wavelength_beyond(*paths.light, refracted)
@@ -472,37 +303,6 @@ PathTracer::Directions PathTracer::choose_directions(const Vertices& vertices, c
   next.emitter_mis_scale = select(by_delta, FloatN(1.0f), next.emitter_mis_scale);
   next.guiding_pdf_ratio = select(by_delta, bsdf_share, next.guiding_pdf_ratio);
   return next;
-}
-
-void PathTracer::add_unoccluded(RenderCounters& counters, int depth) {
-  const ColumnsView<const Connection> all = connections_.all();
-  assert(all.size() <= kBatchPaths);
-  counters.shadow_rays += all.size();
-  scene_.bvh().any_hits(scene_.primitives(), all.field(&Connection::ray), {occluded_.data(), all.size()});
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (occluded_[i] == 0)
-      add(all.get(&Connection::path, i), all.get(&Connection::radiance, i), depth + 1,
-          all.get(&Connection::light, i));
-  if (!scene_.is_opaque()) add_transmitted(counters, depth);
-  connections_.clear();
-}
-
-// Adds the light of occluded connections that partly transparent surfaces let through.
-void PathTracer::add_transmitted(RenderCounters& counters, int depth) {
-  Columns<Ray> rays;
-  std::vector<Connection> of_rays;
-  std::vector<Enclosure> enclosures;
-  for (std::size_t i = 0; i < connections_.size(); ++i) {
-    if (occluded_[i] == 0) continue;
-    of_rays.push_back(connections_[i]);
-    rays.push(of_rays.back().ray);
-    enclosures.push_back(depth == kAtLens ? Enclosure{} : enclosure(of_rays.back().path));
-  }
-  std::vector<Rgb> shares(rays.size());
-  counters.shadow_rays += find_transmittances(scene_, rays.all(), enclosures, shares);
-  for (std::size_t k = 0; k < of_rays.size(); ++k)
-    if (!is_black(shares[k]))
-      add(of_rays[k].path, of_rays[k].radiance * shares[k], depth + 1, of_rays[k].light);
 }
 
 }  // namespace tessera::core

@@ -76,8 +76,7 @@ class PathTracer {
   void shade(const Paths& paths, const Vertices& vertices, int depth);
   void shade(Kernel kernel, const Paths& paths, int depth);
   void find_wavelengths(Paths& paths, int depth) const;
-  template <typename PadAt>
-  std::array<FloatN, 4> numbers(const Paths& paths, int depth, PadAt pad_at) const;
+  std::array<FloatN, 4> numbers(const Paths& paths, int depth, std::uint32_t (*pad_at)(int)) const;
   void add_environment(const Paths& paths, int depth);
   // A point of an area light that a ray has hit.
   struct EmitterHit {
@@ -91,6 +90,22 @@ class PathTracer {
   void add_passed_emission(RowView<PathState> state, const Ray& ray, const Hit& hit,
                            const SurfacePoint& surface, int depth);
   void put_times(const Paths& paths, const NewRows<Ray>& rays) const;
+  // How paths are scattered at their vertices.
+  struct Scattering {
+    LightSampleContexts context;
+    Vec3Of<FloatN> wi;
+    FloatN bsdf_pdf, emitter_mis_scale;
+    MaskN delta, refracted, inside;  // inside: they arrive at the back of the surface
+  };
+  void put_straight(const Paths& paths, const Scattering& at, const NewRows<PathState>& states,
+                    int depth) const;
+  // Whether light samples of vertices at this depth pass panes.
+  bool passes_panes_at(int depth) const {
+    return through_panes_ && depth != kAtLens && depth < static_cast<int>(kListsByDepth);
+  }
+  bool is_straight(RowView<PathState> state) const;
+  float straight_weight(std::uint32_t light, RowView<PathState> state) const;
+  void add_straight(RenderCounters& counters, int depth);
   float camera_ray_weight(RowView<PathState> state, const EmitterHit& hit, float light_pdf) const;
   template <typename Pdf>
   float emitter_hit_weight(std::uint32_t light, RowView<PathState> state, Pdf pdf) const;
@@ -123,6 +138,7 @@ class PathTracer {
   const LightSampler& light_sampler_;
   const MisCompensation compensation_;
   const LightGuide* const guide_;        // null if there is none
+  const bool through_panes_;             // RenderPlan::samples_through_panes()
   const LensLights* const lens_lights_;  // null if there are none
 
   const std::span<const Sampler> samplers_;

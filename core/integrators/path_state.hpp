@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "core/geometry/ray.hpp"
+#include "core/integrators/pane_passage.hpp"
 #include "core/lights/light_sample_context.hpp"
 #include "core/math/rgb.hpp"
 
@@ -29,7 +30,12 @@ struct PathState {
   LightSampleContext last{};      // where the ray was scattered; of a camera ray, where it is in focus
   float emitter_mis_scale = 1;    // scales emission that the ray hits; 0 for guided rays
   float guiding_pdf_ratio = 1;    // product of mixture density / BSDF density, for roulette
-  float wavelength_nm = 0;        // 0 for all; written only if some material disperses light
+  // Written only if light samples pass panes. Where the path has passed panes alone since its last other
+  // vertex, these, `last` and emitter_mis_scale are of that vertex.
+  Vec3 straight{};         // the direction in which the path left it; zero if there is none
+  float straight_pdf = 0;  // of that direction, as last_pdf
+  PanePassage panes{};
+  float wavelength_nm = 0;  // 0 for all; written only if some material disperses light
 };
 
 }  // namespace tessera::core

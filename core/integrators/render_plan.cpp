@@ -5,7 +5,7 @@
 #include <cassert>
 #include <utility>
 
-#include "core/integrators/caustic_guide.hpp"
+#include "core/integrators/panes.hpp"
 #include "core/integrators/volume_path.hpp"
 #include "core/integrators/whitted.hpp"
 
@@ -35,11 +35,15 @@ SampleTracer sample_tracer_for(const Scene& scene, Integrator integrator) {
 
 }  // namespace
 
-RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threads) {
+RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threads,
+                   std::uint32_t photon_paths) {
   auto prepared = std::make_shared<RenderPlan::Prepared>();
   prepared->light_sampler = light_sampler_for(scene, settings.integrator, threads);
-  if (uses_guide(scene, settings.integrator))
-    prepared->guide = build_caustic_guide(scene, prepared->light_sampler, threads);
+  if (uses_guide(scene, settings.integrator)) {
+    auto photons = trace_caustic_photons(scene, prepared->light_sampler, threads, photon_paths);
+    prepared->samples_through_panes = remove_straight(scene, photons);
+    prepared->guide = build_caustic_guide(scene, prepared->light_sampler, photons, threads);
+  }
   if (uses_lens_lights(scene, settings.integrator)) prepared->lens_lights = LensLights(scene, threads);
   prepared->material_bins = material_bins(scene);
   prepared->sample_tracer = sample_tracer_for(scene, settings.integrator);

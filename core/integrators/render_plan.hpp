@@ -11,6 +11,7 @@
 #include "core/base/mutex.hpp"
 #include "core/film/film.hpp"
 #include "core/guiding/light_guide.hpp"
+#include "core/integrators/caustic_guide.hpp"
 #include "core/integrators/lens_lights.hpp"
 #include "core/integrators/light_parts.hpp"
 #include "core/integrators/shading_bins.hpp"
@@ -39,6 +40,8 @@ class RenderPlan {
   const LightSampler& light_sampler() const { return prepared_->light_sampler; }
   // Where caustics come from; null if the integrator uses no guide or there are none.
   const LightGuide* guide() const { return prepared_->guide.cells().empty() ? nullptr : &prepared_->guide; }
+  // Whether light samples of the environment pass panes (panes.hpp).
+  bool samples_through_panes() const { return prepared_->samples_through_panes; }
   // The lamps that the lens connects to; null if the integrator or the camera does not, or there are none.
   const LensLights* lens_lights() const {
     return prepared_->lens_lights.empty() ? nullptr : &prepared_->lens_lights;
@@ -51,10 +54,12 @@ class RenderPlan {
   RenderPlan with(const RenderSettings& settings) const;
 
  private:
-  friend RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threads);
+  friend RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threads,
+                            std::uint32_t photon_paths);
   struct Prepared {
     LightSampler light_sampler;
     LightGuide guide;
+    bool samples_through_panes = false;
     LensLights lens_lights;
     MaterialBins material_bins;
     SampleTracer sample_tracer = nullptr;
@@ -69,8 +74,11 @@ class RenderPlan {
 };
 
 // Takes some tenths of a second where there are caustics. The result does not depend on `threads`. It refers
-// to the scene, and is of use until that shows another frame (RenderPlan::is_current).
-RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threads);
+// to the scene, and is of use until that shows another frame (RenderPlan::is_current). Other numbers of
+// photon paths, multiples of kPhotonPathsAtOnce, make other images of the same expectation: fewer take less
+// time, and make more noise.
+RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threads,
+                   std::uint32_t photon_paths = kPhotonPaths);
 
 // Makes the plans of a scene for various settings, and prepares once for each integrator. Thread-safe while
 // the scene does not change.

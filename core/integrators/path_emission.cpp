@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// What PathTracer adds of light that a path's own ray finds.
+#include "core/integrators/path.hpp"
+#include "core/integrators/path_lanes.hpp"
+#include "core/integrators/path_weights.hpp"
+#include "core/math/lane_array.hpp"
+
+namespace tessera::core {
+
+// Adds the environment's radiance to escaped rays.
+void PathTracer::add_environment(const Paths& paths, int depth) {
+  for (std::size_t lane = 0; depth == 0 && !parts_.empty() && lane < paths.count; ++lane)
+    parts_[paths.path[lane]].escaped = true;
+  const std::uint32_t light = scene_.environment_light();
+  if (light == kNoLight || (depth == 0 && !scene_.environment().visible_to_camera())) return;
+  const LightSampleContexts last = paths.states.all(&PathState::last);
+  const Environment::Seen seen =
+      scene_.environment().see(last.normal, paths.rays.all(&Ray::direction), compensation_);
+  const RgbLanes radiance(seen.radiance);
+  const FloatLanes pdf(seen.pdf);
+  for (std::size_t lane = 0; lane < paths.count; ++lane) {
+    const RowView<PathState> state = paths.states.at(lane);
+    const float weight = is_straight(state) ? straight_weight(light, state)
+                                            : emitter_hit_weight(light, state, [&] { return pdf[lane]; });
+    if (weight > 0)
+      add(paths.path[lane], state.get(&PathState::throughput) * radiance[lane] * weight, depth, light,
+          LightParts::Source::kEnvironment);
+  }
+}
+
+// Adds emission hit by the ray itself.
+void PathTracer::add_emission(RowView<PathState> state, const EmitterHit& hit, int depth) {
+  scene_.with_area_light(hit.light, hit.time, [&](const AreaLight& area) {
+    const auto pdf = [&] { return area.pdf(state.get(&PathState::last).position, hit.position); };
+    const float weight = depth == 0 && lens_lights_ != nullptr ? camera_ray_weight(state, hit, pdf())
+                                                               : emitter_hit_weight(hit.light, state, pdf);
+    if (weight > 0)
+      add(state.get(&PathState::path),
+          state.get(&PathState::throughput) * area.emitted(scene_.textures(), hit.position, hit.uv, hit.wo) *
+              weight,
+          depth, hit.light);
+  });
+}
+
+// Adds what a surface emits towards a ray that passes it.
+void PathTracer::add_passed_emission(RowView<PathState> state, const Ray& ray, const Hit& hit,
+                                     const SurfacePoint& surface, int depth) {
+  const std::uint32_t light = scene_.light_of(hit);
+  if (light == kNoLight) return;
+  add_emission(state,
+               {surface.position, scene_.primitives().uv_sets(hit, surface.uv), normalize(-ray.direction),
+                light, ray.time},
+               depth);
+}
+
+// The weight of light that a camera ray found, against connections to the lens.
+float PathTracer::camera_ray_weight(RowView<PathState> state, const EmitterHit& hit, float light_pdf) const {
+  return lens_lights_->weight(settings_.heuristic, {.focus = state.get(&PathState::last).position,
+                                                    .direction = -hit.wo,
+                                                    .time = hit.time,
+                                                    .light = hit.light,
+                                                    .light_pdf = light_pdf});
+}
+
+// The weight of light that a BSDF sample found. If the previous vertex could also have sampled it, `nee`
+// leaves it to light sampling and `mis` weighs it. `pdf` is the density of the direction, given the light.
+template <typename Pdf>
+float PathTracer::emitter_hit_weight(std::uint32_t light, RowView<PathState> state, Pdf pdf) const {
+  const float last_pdf = state.get(&PathState::last_pdf);
+  if (last_pdf == kDeltaPdf || settings_.integrator == Integrator::kNaive) return 1;
+  const float scale = state.get(&PathState::emitter_mis_scale);
+  if (settings_.integrator == Integrator::kNee || scale == 0) return 0;
+  const float pmf = light_sampler_.pmf(state.get(&PathState::last), light, compensation_);
+  return scale * mis_weight(settings_.heuristic, last_pdf, pmf * pdf());
+}
+
+}  // namespace tessera::core
