@@ -68,7 +68,7 @@ void Listener::run(const Take& take) {
   for (const core::OpenFile& socket : sockets_) waiting.push_back({socket.get(), POLLIN, 0});
   while (true) {
     const int ready = poll(waiting.data(), waiting.size(), wait_ms());
-    if (const auto line = log_.take_due(Clock::now())) common::log(spdlog::level::warn, *line);
+    if (const auto line = log_.take_due(Clock::now())) common::log(*line);
     if (ready < 0) std::this_thread::sleep_for(kPause);  // no memory, or interrupted by a signal
     if (ready <= 0) continue;
     if (waiting.front().revents != 0) return;
@@ -83,8 +83,7 @@ int Listener::wait_ms() const {
 }
 
 void Listener::warn(std::string sentence, const std::string& machine) {
-  if (const auto line = log_.note({std::move(sentence), {.peer = machine}}, Clock::now()))
-    common::log(spdlog::level::warn, *line);
+  if (const auto line = log_.note({std::move(sentence), {.peer = machine}}, Clock::now())) common::log(*line);
 }
 
 void Listener::accept_from(const core::OpenFile& socket, const Take& take) {

@@ -11,11 +11,12 @@ namespace tessera::server {
 
 namespace {
 
+// The signer must outlive the farm.
 farm::Options with_store(farm::Options options, const store::JobStore& store,
                          const dispatch::LeaseSigner& signer) {
   options.epoch = store.epoch();
-  options.sign = [signer](scheduler::LeaseId lease, const scheduler::WorkerId& holder,
-                          const scheduler::JobId& job) { return signer.sign(lease, holder, job); };
+  options.sign = [&signer](scheduler::LeaseId lease, const scheduler::WorkerId& holder,
+                           const scheduler::JobId& job) { return signer.sign(lease, holder, job); };
   return options;
 }
 

@@ -21,6 +21,7 @@ using bench::Load;
 
 constexpr double kTileSamples = 64 * 64;
 constexpr double kMiB = 1024 * 1024;
+const bench::Speed kAtOnce{.samples_per_second = kTileSamples / 2, .takes_time = false};
 
 struct Options {
   std::string coordinator;
@@ -42,16 +43,24 @@ Load two_second_leases(int workers, double seconds) {
           .measured_seconds = seconds};
 }
 
-// Admits an image of 32,768 x 32,768 pixels, with little memory.
-const std::vector<std::string> kGigapixel{"--max-image-pixels", "1073741824", "--max-film-gib", "1.5"};
+// A job of one sample, to its end, by workers that render in no time.
+Load whole_image(const std::string& name, int side_px, double longest_seconds) {
+  return {.name = name,
+          .workers = 32,
+          .speed = kAtOnce,
+          .width_px = side_px,
+          .height_px = side_px,
+          .spp = 1,
+          .measured_seconds = longest_seconds,
+          .until_done = true};
+}
 
 std::vector<Load> loads(const Options& options) {
   const double seconds = options.seconds;
-  const bench::Speed at_once{.samples_per_second = kTileSamples / 2, .takes_time = false};
   const auto saturated_by = [&](int workers, const std::string& name) {
     return Load{.name = name,
                 .workers = workers,
-                .speed = at_once,
+                .speed = kAtOnce,
                 .width_px = 8192,
                 .height_px = 8192,
                 .warm_up_seconds = 3,
@@ -98,33 +107,13 @@ std::vector<Load> loads(const Options& options) {
   large.name = "16K x 16K";
   large.width_px = large.height_px = 16384;
   all.push_back(large);
-  all.push_back({.name = "16K x 16K, whole",
-                 .workers = 32,
-                 .speed = at_once,
-                 .width_px = 16384,
-                 .height_px = 16384,
-                 .spp = 1,
-                 .measured_seconds = 300,
-                 .until_done = true});
-  all.push_back({.name = "32K x 32K, whole",
-                 .workers = 32,
-                 .speed = at_once,
-                 .width_px = 32768,
-                 .height_px = 32768,
-                 .spp = 1,
-                 .measured_seconds = 3600,
-                 .until_done = true,
-                 .coordinator_options = kGigapixel});
-  all.push_back({.name = "32K x 32K, four layers",
-                 .workers = 32,
-                 .speed = at_once,
-                 .width_px = 32768,
-                 .height_px = 32768,
-                 .spp = 1,
-                 .measured_seconds = 3600,
-                 .until_done = true,
-                 .coordinator_options = kGigapixel,
-                 .layers = *core::parse_layers("direct,indirect,emission,albedo")});
+  all.push_back(whole_image("16K x 16K, whole", 16384, 300));
+  Load gigapixel = whole_image("32K x 32K, whole", 32768, 3600);
+  gigapixel.coordinator_options = {"--max-image-pixels", "1073741824", "--max-film-gib", "1.5"};
+  all.push_back(gigapixel);
+  gigapixel.name = "32K x 32K, four layers";
+  gigapixel.layers = *core::parse_layers("direct,indirect,emission,albedo");
+  all.push_back(gigapixel);
   return all;
 }
 

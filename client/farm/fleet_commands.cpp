@@ -34,8 +34,21 @@ struct DrainOptions {
   bool undo = false, stop = false, json = false;
 };
 
+// All pages.
+core::Result<v1::ListQuarantineResponse> whole_quarantine(Farm& farm) {
+  v1::ListQuarantineResponse all;
+  v1::ListQuarantineRequest request;
+  do {
+    const auto page = farm.call(&Farm::AdminStub::ListQuarantine, request);
+    if (!page) return core::fail(page.error());
+    all.mutable_entries()->MergeFrom(page->entries());
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty());
+  return all;
+}
+
 int list_quarantine(Farm& farm, bool json) {
-  const auto quarantine = farm.call(&Farm::AdminStub::ListQuarantine, v1::ListQuarantineRequest());
+  const auto quarantine = whole_quarantine(farm);
   if (!quarantine) return print_error(quarantine.error());
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   print_result(
@@ -46,7 +59,7 @@ int list_quarantine(Farm& farm, bool json) {
 
 // The entry with this id, or the only one whose id starts with it.
 core::Result<v1::QuarantineEntry> find_entry(Farm& farm, const std::string& id_or_prefix) {
-  const auto quarantine = farm.call(&Farm::AdminStub::ListQuarantine, v1::ListQuarantineRequest());
+  const auto quarantine = whole_quarantine(farm);
   if (!quarantine) return core::fail(quarantine.error());
   std::vector<v1::QuarantineEntry> matches;
   for (const v1::QuarantineEntry& entry : quarantine->entries())

@@ -148,8 +148,10 @@ bool is_over(v1::JobState state) {
   return state == v1::JOB_STATE_DONE || state == v1::JOB_STATE_CANCELLED || state == v1::JOB_STATE_FAILED;
 }
 
-double seconds_taken(const v1::Job& job) {
-  return job.has_finished_at() ? seconds_of(job.finished_at()) - seconds_of(job.created_at()) : 0;
+std::string written_text(const v1::Job& job, const std::vector<std::string>& paths, double seconds) {
+  return fmt::format("wrote {} ({} pixels, {} spp) in {:.2f} s, {} samples/s", fmt::join(paths, ", "),
+                     size_text(job.settings()), job.settings().spp(), seconds,
+                     format_count(static_cast<double>(job.samples_done()) / std::max(seconds, 1e-3)));
 }
 
 std::string shown_state(const v1::Job& job) {

@@ -28,8 +28,9 @@ bool is_over(v1::JobState state);
 std::string size_text(const v1::RenderSettings& settings);
 // "1:35 ago"
 std::string ago(const google::protobuf::Timestamp& time, double now_seconds);
-// From submission to completion; 0 while the job is incomplete.
-double seconds_taken(const v1::Job& job);
+// What was written of a done job, and how long it took. The coordinator's clock may have been set meanwhile,
+// so the job's times do not count.
+std::string written_text(const v1::Job& job, const std::vector<std::string>& paths, double seconds);
 // The job's state for the progress line.
 ProgressState progress_of(const v1::Job& job);
 

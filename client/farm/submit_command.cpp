@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -26,6 +26,8 @@
 
 namespace tessera::client {
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 const cli::HelpText kSubmitHelp{
     .notes = R"(Prints the job's id. Options given here replace the values of the scene file.
@@ -61,13 +63,6 @@ int report_interrupt(const v1::Job& job) {
   return kExitInterrupted;
 }
 
-void print_summary(const v1::Job& job, const std::vector<std::string>& paths) {
-  const double seconds = std::max(seconds_taken(job), 1e-3);
-  print_note(fmt::format("wrote {} ({} pixels, {} spp) in {:.2f} s, {} samples/s", fmt::join(paths, ", "),
-                         size_text(job.settings()), job.settings().spp(), seconds,
-                         format_count(static_cast<double>(job.samples_done()) / seconds)));
-}
-
 // Downloads all images of a job that was DONE. Returns the job when the last one was taken, or when it was no
 // longer DONE. `written` are the files.
 core::Result<v1::Job> download_frames(Farm& farm, const SubmitOptions& options, const std::string& id,
@@ -88,13 +83,15 @@ core::Result<v1::Job> download_frames(Farm& farm, const SubmitOptions& options, 
   return job;
 }
 
-int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& submitted) {
+int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& submitted,
+                   Clock::time_point since) {
   watch_for_interrupt();
   while (true) {
     const auto job = watch_with_progress(farm, submitted.id());
     if (!job && interrupted()) return report_interrupt(submitted);
     if (!job) return print_error(job.error());
     if (const int status = report_end(*job); status != kExitOk) return status;
+    const std::chrono::duration<double> taken = Clock::now() - since;
     const auto& paths = options.scene.output_paths;
     if (paths.empty()) {
       if (options.json) print_result(to_json_line(*job));
@@ -109,7 +106,7 @@ int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& subm
     }
     if (downloaded->state() == v1::JOB_STATE_DONE) {
       if (options.json) print_result(to_json_line(*downloaded));
-      print_summary(*downloaded, written);
+      print_note(written_text(*downloaded, written, taken.count()));
       return kExitOk;
     }
     print_warning("the job is not done any more; waiting for it");
@@ -146,11 +143,12 @@ int run_submit(const SubmitOptions& options) {
                               .service = options.service,
                               .labels = options.labels,
                               .frames = frames};
+  const auto since = Clock::now();
   const auto job = submit_job(farm, submission, *local);
   if (!job) return print_error(job.error());
   print_result(options.json ? to_json_line(*job) : core::printable(job->id()) + "\n");
   if (const std::string lack = lack_of_workers(farm, local->settings); !lack.empty()) print_note(lack);
-  return options.wait ? wait_and_fetch(farm, options, *job) : kExitOk;
+  return options.wait ? wait_and_fetch(farm, options, *job, since) : kExitOk;
 }
 
 }  // namespace

@@ -30,8 +30,8 @@ void log_to_stderr(const std::string& program, const LogOptions& options = {});
 // Logs a line with what it is about. JSON has the fields as they are; text has those that the message does
 // not mention, in brackets at its end. spdlog's functions log lines without fields.
 void log(spdlog::level::level_enum level, std::string_view message, const LogFields& fields);
-inline void log(spdlog::level::level_enum level, const LogLine& line) {
-  log(level, line.message, line.fields);
+inline void log(const LogLine& line) {
+  log(line.level, line.message, line.fields);
 }
 
 // Waits until everything is written, for at most a second. Call it before the process ends without exit().

@@ -2,6 +2,8 @@
 // What a log line is about, for programs that read logs. Plain data.
 #pragma once
 
+#include <spdlog/common.h>
+
 #include <string>
 
 namespace tessera::common {
@@ -19,6 +21,7 @@ struct LogFields {
 struct LogLine {
   std::string message;
   LogFields fields{};
+  spdlog::level::level_enum level = spdlog::level::warn;
 };
 
 }  // namespace tessera::common

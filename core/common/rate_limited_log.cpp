@@ -22,11 +22,16 @@ std::optional<LogLine> RateLimitedLog::note(LogLine line, Time now) {
 }
 
 std::optional<LogLine> RateLimitedLog::take_due(Time now) {
-  if (times_ == 0 || now < next_) return std::nullopt;
+  if (times_ == 0) return std::nullopt;
+  if (now >= next_) {
+    left_ = max_lines_;
+    next_ = now + kPeriod;
+  }
+  if (left_ == 0) return std::nullopt;
+  --left_;
   LogLine line = line_;
   if (times_ > 1) line.message += fmt::format(" ({} such since the last line)", times_);
   times_ = 0;
-  next_ = now + kPeriod;
   return line;
 }
 

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thins out warnings that callers can cause thousands of times a second: one line in ten seconds, with the
-// number of suppressed ones. Logs nothing itself, so that its owner can release a lock before. Not
-// thread-safe.
+// Thins out lines that callers can cause thousands of times a second: a few in ten seconds, with the number
+// of suppressed ones. Logs nothing itself, so that its owner can release a lock before. Not thread-safe.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
 #include <optional>
-#include <string>
 
 #include "core/common/log_fields.hpp"
 
@@ -18,6 +16,9 @@ class RateLimitedLog {
   using Time = std::chrono::steady_clock::time_point;
   using Duration = std::chrono::steady_clock::duration;
 
+  // At most so many lines in ten seconds.
+  explicit RateLimitedLog(std::size_t max_lines = 1) : max_lines_(max_lines) {}
+
   // Returns the line to log, if one is due.
   std::optional<LogLine> note(LogLine line, Time now);
   // Returns the last suppressed line, if it is due. Call it regularly.
@@ -26,8 +27,10 @@ class RateLimitedLog {
   std::optional<Duration> due_in(Time now) const;
 
  private:
-  LogLine line_;
+  const std::size_t max_lines_;
+  LogLine line_{};
   std::size_t times_ = 0;  // since the last line
+  std::size_t left_ = 0;   // until `next_`
   Time next_ = Time::min();
 };
 

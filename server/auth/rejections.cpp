@@ -16,7 +16,7 @@ void Rejections::log(Take take) {
     const core::MutexLock lock(mutex_);
     line = take(log_);
   }
-  if (line) common::log(spdlog::level::warn, *line);
+  if (line) common::log(*line);
 }
 
 bool Rejections::note(const std::string& machine, const std::string& method, const grpc::Status& why) {

@@ -45,6 +45,8 @@ class Dispatcher {
   // done or has failed after the next one, and it frees memory of films. Ends the process if an invariant is
   // broken, since a wrong image would be worse.
   bool tick();
+  // Ends the waiting call of a worker if its caller has gone.
+  void remove_gone(const std::string& worker);
   // Answers all waiting calls, and all later ones, with UNAVAILABLE.
   void close();
 
@@ -57,8 +59,8 @@ class Dispatcher {
     result_counts_.note(reason);
     return error;
   }
-  // The part of tick() that is short. Returns whether a second has passed since it was last true.
-  bool advance_time();
+  // The part of tick() that is short.
+  void advance_time();
   core::Status check_token(const v1::SubmitResultRequest& request, const farm::WorkerPrincipal& caller);
   std::vector<v1::Worker> next_workers(const std::string& after);
   std::optional<core::LayerSet> layers_of_job(const std::string& id);

@@ -106,7 +106,8 @@ core::Status expect_trusted(StateLock& lock, const v1::SynchronizeRequest& reque
 }
 
 core::Status admit(StateLock& lock, const v1::SynchronizeRequest& request,
-                   const scheduler::WorkerInfo& caller, const std::string& peer) {
+                   const scheduler::WorkerInfo& caller, const farm::SynchronizeCaller& call) {
+  if (call.is_gone()) return core::fail(ErrorCode::kCancelled, "the caller has gone");
   if (lock->closed) return core::fail(ErrorCode::kUnavailable, "the coordinator is stopping: try again");
   const scheduler::WorkerInfo* const known = lock->scheduler.worker_info(caller.id);
   if (auto own = expect_own(known, caller.principal); !own) return own;
@@ -114,8 +115,9 @@ core::Status admit(StateLock& lock, const v1::SynchronizeRequest& request,
   const std::set<std::string>& accepted = lock.options().fingerprints;
   if (accepted.contains(request.determinism_fingerprint())) return {};
   core::Error error = not_compatible(request, accepted);
-  lock.log_rejection("refused: " + error.message,
-                     {.worker = request.worker_id(), .principal = caller.principal, .peer = peer});
+  lock.log_rejection(
+      "refused: " + error.message,
+      {.worker = request.worker_id(), .principal = caller.principal, .peer = call.principal.peer});
   return core::fail(std::move(error));
 }
 
@@ -213,7 +215,7 @@ void Dispatcher::synchronize(const v1::SynchronizeRequest& request, farm::Synchr
   scheduler::WorkerInfo info = info_of(request, caller.principal);
   StateLock lock(farm_);
   const core::Status possible = valid ? lock.expect_memory() : valid;
-  const core::Status admitted = possible ? admit(lock, request, info, caller.principal.peer) : possible;
+  const core::Status admitted = possible ? admit(lock, request, info, caller) : possible;
   if (!admitted) return farm::refuse(lock, std::move(caller), admitted.error());
 
   scheduler::Synchronize event = event_of(lock, request, std::move(info), held, fetching);

@@ -14,6 +14,7 @@
 #include "server/base/wall_clock.hpp"
 #include "server/dispatch/caller.hpp"
 #include "server/dispatch/dispatcher.hpp"
+#include "server/farm/pages.hpp"
 #include "server/farm/wire.hpp"
 
 namespace tessera::dispatch {
@@ -26,7 +27,6 @@ namespace {
 
 // Workers that are copied in one hold of the state lock, which takes about a microsecond for each.
 constexpr std::size_t kWorkersAtOnce = 64;
-constexpr std::uint32_t kMaxPageSize = 1000;
 
 // What a worker's entry is made of, copied under the state lock.
 struct WorkerSnapshot {
@@ -124,8 +124,7 @@ std::vector<v1::Worker> Dispatcher::workers() {
 // The token of the next page is the last id of this one.
 core::Result<v1::ListWorkersResponse> Dispatcher::list_workers(const v1::ListWorkersRequest& request) {
   if (auto fine = check_filters(request); !fine) return core::fail(fine.error());
-  const std::uint32_t asked = request.page_size() == 0 ? kMaxPageSize : request.page_size();
-  const auto most = static_cast<int>(std::min(asked, kMaxPageSize));
+  const int most = farm::page_size(request.page_size());
   v1::ListWorkersResponse page;
   std::string after = request.page_token();
   for (auto next = next_workers(after); !next.empty(); next = next_workers(after)) {

@@ -66,6 +66,24 @@ struct PresentWorker {
   std::string name, principal;
 };
 
+// Lines about workers, of which callers can cause any number.
+struct Logs {
+  static constexpr std::size_t kMaxEvents = 100;
+
+  common::RateLimitedLog rejections, troubles;
+  // Of single workers.
+  common::RateLimitedLog registered{kMaxEvents}, lost{kMaxEvents}, quarantined{kMaxEvents},
+      stalled{kMaxEvents};
+
+  // Calls visit(log) for each.
+  template <typename Visit>
+  void for_each(const Visit& visit) {
+    for (common::RateLimitedLog* const log :
+         {&rejections, &troubles, &registered, &lost, &quarantined, &stalled})
+      visit(*log);
+  }
+};
+
 // What the state lock guards.
 struct State {
   explicit State(const Options& options);
@@ -103,7 +121,7 @@ struct State {
   Drains drains;
   Troubles troubles;
   std::map<std::string, CacheUse> caches;  // by worker; of those that report it
-  common::RateLimitedLog rejected_log, troubles_log;
+  Logs logs;
   std::set<std::string> to_reopen;  // jobs
   // Workers of which stored jobs may have samples: these are to be found and reopened.
   std::vector<scheduler::Producer> to_search;

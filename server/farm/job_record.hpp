@@ -46,8 +46,6 @@ struct JobRecord {
   bool row_is_left = false;
   // Whether it counts toward its owner's unfinished jobs (State::set_open).
   bool is_open = false;
-  // How many checks in a row found that the job lacks nothing but a worker to verify it.
-  int checks_without_auditor = 0;
   // The counters of the film, if that is null, and the samples of its images if there are several.
   core::RenderCounters stored_counters;
   std::vector<std::uint64_t> stored_samples_by_image;

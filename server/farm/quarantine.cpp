@@ -48,7 +48,7 @@ bool Quarantine::add(QuarantineEntry entry) {
   const std::string worker = entry.producer.worker.value;
   const auto [added, is_new] = entries_.try_emplace(worker, std::move(entry));
   if (!is_new) return false;
-  by_age_.emplace(added->second.since_ms, worker);
+  by_age_.insert(position_of(added->second));
   enter(by_machine_, added->second.producer.machine, worker);
   enter(by_principal_, added->second.producer.principal, worker);
   changes_.insert(worker);
@@ -58,7 +58,7 @@ bool Quarantine::add(QuarantineEntry entry) {
 
 void Quarantine::remove(const std::string& worker) {
   const auto entry = entries_.find(worker);
-  by_age_.erase({entry->second.since_ms, worker});
+  by_age_.erase(position_of(entry->second));
   leave(by_machine_, entry->second.producer.machine, worker);
   leave(by_principal_, entry->second.producer.principal, worker);
   entries_.erase(entry);
@@ -80,9 +80,20 @@ std::vector<QuarantineEntry> Quarantine::lift(const std::string& worker) {
   return lifted;
 }
 
+std::vector<QuarantineEntry> Quarantine::entries_after(const Position& position, std::size_t most) const {
+  std::vector<QuarantineEntry> entries;
+  for (auto next = by_age_.upper_bound(position); next != by_age_.end() && entries.size() < most; ++next)
+    entries.push_back(entries_.at(next->second));
+  return entries;
+}
+
+const QuarantineEntry* Quarantine::entry_of(const std::string& worker) const {
+  const auto found = entries_.find(worker);
+  return found == entries_.end() ? nullptr : &found->second;
+}
+
 const QuarantineEntry* Quarantine::find(const scheduler::Producer& worker, bool is_registered) const {
-  const auto own = entries_.find(worker.worker.value);
-  if (own != entries_.end()) return &own->second;
+  if (const QuarantineEntry* const own = entry_of(worker.worker.value)) return own;
   const std::set<std::string>* alike = &workers_of(by_principal_, worker.principal);
   if (alike->empty() && !is_registered) alike = &workers_of(by_machine_, worker.machine);
   return alike->empty() ? nullptr : &entries_.at(*alike->begin());

@@ -53,8 +53,16 @@ class Quarantine {
   // The entry by which a worker gets no leases; null if there is none. Workers that were registered before
   // their machine was quarantined are judged by their own results.
   const QuarantineEntry* find(const scheduler::Producer& worker, bool is_registered) const;
-  // By worker.
-  const std::map<std::string, QuarantineEntry>& entries() const { return entries_; }
+  // The place of an entry among all: by its time, and its worker.
+  using Position = std::pair<std::int64_t, std::string>;
+  static Position position_of(const QuarantineEntry& entry) {
+    return {entry.since_ms, entry.producer.worker.value};
+  }
+  // Those after this position, at most so many; the oldest first.
+  std::vector<QuarantineEntry> entries_after(const Position& position, std::size_t most) const;
+  // Null if the worker has none of its own.
+  const QuarantineEntry* entry_of(const std::string& worker) const;
+  std::size_t size() const { return entries_.size(); }
 
   // The workers whose entries were added or removed since the last call.
   std::set<std::string> take_changes();
@@ -71,7 +79,7 @@ class Quarantine {
   std::map<std::string, Rejections> rejections_;    // by worker
   std::map<std::string, QuarantineEntry> entries_;  // by worker
   // The workers of the entries by time, and by machine and individual principal, where these are known.
-  std::set<std::pair<std::int64_t, std::string>> by_age_;
+  std::set<Position> by_age_;
   std::map<std::string, std::set<std::string>> by_machine_, by_principal_;
   std::set<std::string> changes_;
 };

@@ -57,12 +57,11 @@ core::Status StateLock::expect_memory() const {
 }
 
 void StateLock::log(spdlog::level::level_enum level, std::string line, common::LogFields fields) {
-  later([level, line = common::LogLine{std::move(line), std::move(fields)}] { common::log(level, line); });
+  later([line = common::LogLine{std::move(line), std::move(fields), level}] { common::log(line); });
 }
 
 void StateLock::log_some(common::RateLimitedLog& some, common::LogLine line) {
-  if (auto due = some.note(std::move(line), now_))
-    log(spdlog::level::warn, std::move(due->message), std::move(due->fields));
+  if (auto due = some.note(std::move(line), now_)) later([line = *std::move(due)] { common::log(line); });
 }
 
 common::LogFields StateLock::fields_of_worker(const std::string& id) const {
@@ -74,9 +73,9 @@ common::LogFields StateLock::fields_of_worker(const std::string& id) const {
 }
 
 void StateLock::log_suppressed() {
-  for (common::RateLimitedLog* some : {&state_.rejected_log, &state_.troubles_log})
-    if (auto due = some->take_due(now_))
-      log(spdlog::level::warn, std::move(due->message), std::move(due->fields));
+  state_.logs.for_each([this](common::RateLimitedLog& some) {
+    if (auto due = some.take_due(now_)) later([line = *std::move(due)] { common::log(line); });
+  });
 }
 
 JobSnapshot StateLock::snapshot_of(const JobRecord& record) const {
@@ -140,10 +139,10 @@ void StateLock::quarantine(const scheduler::Producer& producer, const std::strin
   if (state_.scheduler.worker_info(producer.worker) == nullptr) fields.principal = producer.principal;
   if (!state_.quarantine.add({producer, fields.principal, because, base::wall_clock_ms()})) return;
   note_worker(producer.worker.value);
-  log(spdlog::level::err,
-      fmt::format("worker {} ({}) is quarantined: {}. Its other results are verified by others",
-                  called(producer), producer.worker.value, because),
-      std::move(fields));
+  log_some(state_.logs.quarantined,
+           {fmt::format("worker {} ({}) is quarantined: {}. Its other results are verified by others",
+                        called(producer), producer.worker.value, because),
+            std::move(fields), spdlog::level::err});
 }
 
 scheduler::Actions StateLock::handle(const scheduler::Event& event) noexcept {
@@ -162,7 +161,7 @@ void StateLock::apply(const scheduler::Actions& actions) noexcept {
     for (const scheduler::JobChange& change : next.job_changes) note_change(change);
     append_events(next);
     for (const scheduler::WorkerId& worker : next.changed_workers) note_presence(worker);
-    for (const std::string& stalled : next.stalled) log(spdlog::level::warn, stalled);
+    for (const std::string& stalled : next.stalled) log_some(state_.logs.stalled, {stalled});
     for (const scheduler::WorkerId& worker : next.wake) {
       if (offered_.size() == kOffersAtOnce) {
         offer_later(worker.value);
@@ -202,13 +201,13 @@ void StateLock::note_presence(const scheduler::WorkerId& worker) {
   const auto before = state_.present.find(id);
   if (view && !view->silent && before == state_.present.end()) {
     state_.present.emplace(id, PresentWorker{view->info.name, view->info.principal});
-    log(spdlog::level::info, fmt::format("worker {} ({}) registered", view->info.name, id),
-        fields_of_worker(id));
+    log_some(state_.logs.registered, {fmt::format("worker {} ({}) registered", view->info.name, id),
+                                      fields_of_worker(id), spdlog::level::info});
   } else if ((!view || view->silent) && before != state_.present.end()) {
     common::LogFields fields = fields_of_worker(id);
     fields.principal = before->second.principal;
-    log(spdlog::level::warn, fmt::format("worker {} ({}) is lost", before->second.name, id),
-        std::move(fields));
+    log_some(state_.logs.lost,
+             {fmt::format("worker {} ({}) is lost", before->second.name, id), std::move(fields)});
     state_.present.erase(before);
   }
   if (view) return;
@@ -275,6 +274,16 @@ void StateLock::follow_audits(const scheduler::Actions& actions) {
   for (const std::string& contradiction : actions.contradictions) log(spdlog::level::warn, contradiction);
   state_.to_search.insert(state_.to_search.end(), actions.distrusted.begin(), actions.distrusted.end());
   for (const scheduler::JobId& job : actions.reopen) state_.to_reopen.insert(job.value);
+  for (const scheduler::Unattended& unattended : actions.unattended) {
+    const std::string& id = unattended.job.value;
+    const JobRecord* const record = state_.find_job(id);
+    if (record == nullptr) continue;
+    log(spdlog::level::warn,
+        fmt::format("job {} ({}) lacks nothing but {} samples to verify: start a worker of another name "
+                    "(--name), where workers have individual tokens with another token",
+                    id, record->spec->name(), unattended.samples),
+        {.job = id});
+  }
   for (const scheduler::Unaudited& unaudited : actions.unaudited) {
     log(spdlog::level::warn,
         fmt::format(

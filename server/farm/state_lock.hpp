@@ -45,10 +45,10 @@ class TESSERA_THREAD_ANNOTATION(scoped_lockable) StateLock {
   void log(spdlog::level::level_enum level, std::string line, common::LogFields fields = {});
   // As log(), each limited to a line in ten seconds.
   void log_rejection(std::string line, common::LogFields fields = {}) {
-    log_some(state_.rejected_log, {std::move(line), std::move(fields)});
+    log_some(state_.logs.rejections, {std::move(line), std::move(fields)});
   }
   void log_trouble(std::string line, common::LogFields fields = {}) {
-    log_some(state_.troubles_log, {std::move(line), std::move(fields)});
+    log_some(state_.logs.troubles, {std::move(line), std::move(fields)});
   }
   // What a line about a worker names besides: its principal, and the address that it last called from.
   common::LogFields fields_of_worker(const std::string& id) const;

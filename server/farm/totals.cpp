@@ -15,7 +15,7 @@ Totals totals_of(Farm& farm) {
   return {.scheduler = lock->scheduler.totals(lock.now()),
           .validating_jobs = lock->validating.size(),
           .waiting_calls = lock->waiting.size(),
-          .quarantined_workers = lock->quarantine.entries().size()};
+          .quarantined_workers = lock->quarantine.size()};
 }
 
 std::string summary_of(const Totals& totals) {

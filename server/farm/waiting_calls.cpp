@@ -77,13 +77,15 @@ void refuse(StateLock& lock, SynchronizeCaller caller, const core::Error& error)
   lock.later([answer = std::move(caller.answer), error] { answer(core::fail(error)); });
 }
 
-scheduler::Actions top_up(StateLock& lock, const std::string& worker, bool answer_unchanged) noexcept {
+bool refuse_if_gone(StateLock& lock, const std::string& worker) {
   const WaitingCall* const call = lock->waiting.find(worker);
-  if (call == nullptr) return {};
-  if (call->caller.is_gone()) {
-    refuse(lock, lock->waiting.take(worker).caller, {core::ErrorCode::kCancelled, "the caller has gone"});
-    return {};
-  }
+  if (call == nullptr || !call->caller.is_gone()) return false;
+  refuse(lock, lock->waiting.take(worker).caller, {core::ErrorCode::kCancelled, "the caller has gone"});
+  return true;
+}
+
+scheduler::Actions top_up(StateLock& lock, const std::string& worker, bool answer_unchanged) noexcept {
+  if (lock->waiting.find(worker) == nullptr || refuse_if_gone(lock, worker)) return {};
   scheduler::Actions actions = lock->scheduler.handle(scheduler::TopUp{{worker}}, lock.now());
   if (!actions.status) {
     refuse(lock, lock->waiting.take(worker).caller, actions.status.error());

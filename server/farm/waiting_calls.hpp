@@ -35,7 +35,7 @@ struct SynchronizeCaller {
   // Called exactly once, on any thread, without the state lock.
   std::function<void(core::Result<v1::SynchronizeResponse>)> answer;
   // Whether the caller has gone. Called on any thread until `answer` is called. A caller that has gone is
-  // given no leases.
+  // given no leases. Its call is removed when it is due, unless Dispatcher::remove_gone() is called before.
   std::function<bool()> is_gone = [] { return false; };
   WorkerPrincipal principal{};
 };
@@ -86,6 +86,8 @@ class LeaseMessages {
 void answer(StateLock& lock, const std::string& worker, const scheduler::Reply& reply);
 // Answers a caller with an error.
 void refuse(StateLock& lock, SynchronizeCaller caller, const core::Error& error);
+// Answers the waiting call of a worker whose caller has gone. Returns whether there was one.
+bool refuse_if_gone(StateLock& lock, const std::string& worker);
 // Offers new work to a worker whose call waits; `answer_unchanged`: answers the call in any case. Returns
 // what the caller must apply.
 scheduler::Actions top_up(StateLock& lock, const std::string& worker, bool answer_unchanged) noexcept;

@@ -5,18 +5,23 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "server/farm/pages.hpp"
 #include "server/farm/state_lock.hpp"
 #include "server/fleet/stored_worker.hpp"
 
 namespace tessera::fleet {
 
 using core::ErrorCode;
+using farm::Quarantine;
 using farm::QuarantineEntry;
 using farm::StateLock;
 
@@ -25,15 +30,33 @@ namespace {
 // What is looked at in one hold of the state lock.
 constexpr std::size_t kWorkersAtOnce = 64;
 
+// Before all entries of the quarantine.
+const Quarantine::Position kBeginning{std::numeric_limits<std::int64_t>::min(), ""};
+
+// A token is the position of the last entry of its page.
+std::string token_of(const Quarantine::Position& position) {
+  return fmt::format("{}-{}", position.first, position.second);
+}
+
+core::Result<Quarantine::Position> position_of(const std::string& token) {
+  if (token.empty()) return kBeginning;
+  Quarantine::Position position;
+  const char* const end = token.data() + token.size();
+  const auto [rest, error] = std::from_chars(token.data(), end, position.first);
+  if (error != std::errc() || rest == end || *rest != '-')
+    return core::fail(ErrorCode::kInvalidArgument, "page_token: is not that of an earlier response");
+  position.second.assign(rest + 1, end);
+  return position;
+}
+
 std::vector<StoredWorker> take_changes(farm::Farm& farm) {
   StateLock lock(farm);
   std::set<std::string> changed = lock->quarantine.take_changes();
   changed.merge(lock->drains.take_changes());
   std::vector<StoredWorker> workers;
-  const auto& entries = lock->quarantine.entries();
   for (const std::string& id : changed) {
     StoredWorker worker{id};
-    if (const auto entry = entries.find(id); entry != entries.end()) worker.quarantine = entry->second;
+    if (const QuarantineEntry* const entry = lock->quarantine.entry_of(id)) worker.quarantine = *entry;
     if (const farm::Drain* const drain = lock->drains.find(id)) worker.drain = *drain;
     workers.push_back(std::move(worker));
   }
@@ -56,7 +79,7 @@ core::Status Fleet::restore() {
   lock->quarantine.take_changes();
   lock->drains.take_changes();
   forget_absent_at_ = lock.now() + lock.options().forget_after();
-  const std::size_t quarantined = lock->quarantine.entries().size(), drained = lock->drains.all().size();
+  const std::size_t quarantined = lock->quarantine.size(), drained = lock->drains.all().size();
   const auto say = [&](std::size_t workers, const char* what) {
     if (workers > 0)
       lock.log(spdlog::level::info, fmt::format("{} workers {} since an earlier run", workers, what));
@@ -101,18 +124,24 @@ void Fleet::forget_absent() {
     if (lock->scheduler.worker_info({id}) == nullptr) lock->drains.forget(id);
 }
 
-v1::ListQuarantineResponse Fleet::quarantine() {
-  std::vector<QuarantineEntry> entries;
-  {
+core::Result<v1::ListQuarantineResponse> Fleet::list_quarantine(const v1::ListQuarantineRequest& request) {
+  auto position = position_of(request.page_token());
+  if (!position) return core::fail(position.error());
+  const auto entries_after = [this](const Quarantine::Position& after, std::size_t most) {
     const StateLock lock(farm_);
-    for (const auto& [worker, entry] : lock->quarantine.entries()) entries.push_back(entry);
+    return lock->quarantine.entries_after(after, most);
+  };
+  const auto most = static_cast<std::size_t>(farm::page_size(request.page_size()));
+  v1::ListQuarantineResponse page;
+  for (std::size_t left = most; left > 0;) {
+    const auto entries = entries_after(*position, std::min(left, kWorkersAtOnce));
+    if (entries.empty()) return page;
+    for (const QuarantineEntry& entry : entries) *page.add_entries() = to_wire(entry);
+    position = Quarantine::position_of(entries.back());
+    left -= entries.size();
   }
-  std::stable_sort(entries.begin(), entries.end(), [](const QuarantineEntry& a, const QuarantineEntry& b) {
-    return a.since_ms < b.since_ms;
-  });
-  v1::ListQuarantineResponse response;
-  for (const QuarantineEntry& entry : entries) *response.add_entries() = to_wire(entry);
-  return response;
+  if (!entries_after(*position, 1).empty()) page.set_next_page_token(token_of(*position));
+  return page;
 }
 
 core::Status Fleet::lift(const std::string& id) {

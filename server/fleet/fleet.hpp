@@ -28,7 +28,8 @@ class Fleet {
   // again. Blocks for the disk.
   core::Status save();
 
-  v1::ListQuarantineResponse quarantine();
+  // A page of the quarantine, the oldest entry first.
+  core::Result<v1::ListQuarantineResponse> list_quarantine(const v1::ListQuarantineRequest& request = {});
   // Blocks until it is stored. The quarantine is lifted even if that fails, and stored later.
   core::Status lift(const std::string& id);
   // Blocks until it is stored. The worker is drained even if that fails, and it is stored later.

@@ -45,10 +45,13 @@ Answer drain_worker(const CallPtr& call) {
 }
 
 Answer list_quarantine(const CallPtr& call) {
+  const auto request = read_quarantine_list(call->request);
+  if (!request) return core::fail(request.error());
+  const auto page = call->coordinator().fleet().list_quarantine(*request);
+  if (!page) return core::fail(page.error());
   Json entries = Json::array();
-  const v1::ListQuarantineResponse quarantine = call->coordinator().fleet().quarantine();
-  for (const v1::QuarantineEntry& entry : quarantine.entries()) entries.push_back(proto::to_json(entry));
-  return json_response({{"entries", std::move(entries)}});
+  for (const v1::QuarantineEntry& entry : page->entries()) entries.push_back(proto::to_json(entry));
+  return json_response({{"entries", std::move(entries)}, {"next_page_token", page->next_page_token()}});
 }
 
 Answer lift_quarantine(const CallPtr& call) {

@@ -318,6 +318,12 @@ core::Result<v1::ListWorkersRequest> read_worker_list(const http::Request& reque
   return list;
 }
 
+core::Result<v1::ListQuarantineRequest> read_quarantine_list(const http::Request& request) {
+  v1::ListQuarantineRequest list;
+  if (auto read = read_page(request, list); !read) return core::fail(read.error());
+  return list;
+}
+
 core::Result<v1::GetImageRequest> read_image(const http::Request& request) {
   constexpr std::pair<std::string_view, v1::ImageFormat> kFormats[] = {{"png", v1::IMAGE_FORMAT_PNG},
                                                                        {"exr", v1::IMAGE_FORMAT_EXR},

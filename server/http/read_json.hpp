@@ -26,6 +26,7 @@ core::Result<v1::DrainWorkerRequest> read_drain(const Json& body);
 
 core::Result<v1::ListJobsRequest> read_job_list(const http::Request& request);
 core::Result<v1::ListWorkersRequest> read_worker_list(const http::Request& request);
+core::Result<v1::ListQuarantineRequest> read_quarantine_list(const http::Request& request);
 core::Result<v1::GetImageRequest> read_image(const http::Request& request);
 
 // The index of an image of a job: image=N; 0 if it is absent.

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "proto/state_text.hpp"
+#include "server/farm/pages.hpp"
 #include "server/farm/wire.hpp"
 #include "server/jobs/job_service.hpp"
 #include "server/jobs/labels.hpp"
@@ -23,7 +24,6 @@ using store::JobQuery;
 
 namespace {
 
-constexpr std::uint32_t kMaxPageSize = 1000;
 // Of a list with filters that the store does not have. Few of the jobs may match.
 constexpr std::size_t kRowsAtOnce = 64;
 
@@ -81,8 +81,7 @@ bool matches(const v1::Job& job, std::uint32_t states, bool queued, const Labels
 core::Result<v1::ListJobsResponse> JobService::list(const v1::ListJobsRequest& request) {
   auto query = to_query(request);
   if (!query) return core::fail(query.error());
-  const std::uint32_t asked = request.page_size() == 0 ? kMaxPageSize : request.page_size();
-  const auto limit = static_cast<int>(std::min(asked, kMaxPageSize));
+  const int limit = farm::page_size(request.page_size());
   v1::ListJobsResponse response;
   while (response.jobs_size() < limit) {
     const auto last = list_some(*query, request, limit, response);

@@ -16,9 +16,11 @@ AdminService::AdminService(server::Coordinator& coordinator, auth::AuthIntercept
 }
 
 void AdminService::list_quarantine(UnaryCall<v1::ListQuarantineRequest, v1::ListQuarantineResponse>& call) {
-  run_unary(call, pool_, [this, &call] {
-    call.response() = coordinator_.fleet().quarantine();
-    return core::Status();
+  run_unary(call, pool_, [this, &call]() -> core::Status {
+    auto page = coordinator_.fleet().list_quarantine(call.request());
+    if (!page) return core::fail(page.error());
+    call.response() = *std::move(page);
+    return {};
   });
 }
 

@@ -33,7 +33,24 @@ core::Status check_worker_key(const v1::SynchronizeRequest& request) {
 
 void SynchronizeCall::begin() {
   if (const auto proved = check_worker_key(*request_); !proved) return Finish(proto::to_grpc(proved));
+  {
+    const core::MutexLock lock(mutex_);
+    worker_ = request_->worker_id();
+  }
   if (!pool_.run_or_post([this] { synchronize(); })) Finish(busy());
+}
+
+// A call that has not begun finds out by itself. If too much waits, or memory is out, the call ends when it
+// is due. The task may run after gRPC has deleted the call.
+void SynchronizeCall::on_cancel() {
+  static_cast<void>(guarded([this]() -> core::Status {
+    const core::MutexLock lock(mutex_);
+    const auto remove = [&coordinator = coordinator_, worker = worker_] {
+      coordinator.dispatcher().remove_gone(worker);
+    };
+    if (!worker_.empty()) static_cast<void>(pool_.post(remove));
+    return {};
+  }));
 }
 
 // The answer may arrive, and delete this object, before the coordinator returns. If the coordinator throws,

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
+#include "core/base/mutex.hpp"
 #include "server/base/thread_pool.hpp"
 #include "server/coordinator.hpp"
 #include "server/rpc/call.hpp"
@@ -21,12 +23,15 @@ class SynchronizeCall final : public RequestCall {
  private:
   google::protobuf::Message& message() override { return *request_; }
   void begin() override;
+  void on_cancel() override;
   void synchronize();
   void give(core::Result<v1::SynchronizeResponse> result);
 
   server::Coordinator& coordinator_;
   base::ThreadPool& pool_;
   std::unique_ptr<v1::SynchronizeRequest> request_ = std::make_unique<v1::SynchronizeRequest>();
+  core::Mutex mutex_;
+  std::string worker_ TESSERA_GUARDED_BY(mutex_);  // empty until the call begins
 };
 
 }  // namespace tessera::rpc

@@ -9,6 +9,11 @@ bool lacks_only_lots(const Job& job) {
   return job.state() == JobState::kRunning && job.complete() && !job.settled() && !job.audits().any_doubted();
 }
 
+bool is_unattended(const Job& job) {
+  return job.state() == JobState::kRunning && job.complete() && job.to_verify() > 0 &&
+         job.holder_count() == 0;
+}
+
 // Workers that cannot build the scene, or have stalled, are given the job again and again, so they are not
 // waited for.
 bool Auditors::is_no_help(const Job& job, const Worker& worker) {

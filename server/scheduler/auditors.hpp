@@ -12,6 +12,8 @@ namespace tessera::scheduler {
 
 // Whether the job lacks nothing but audits that were chosen by lot.
 bool lacks_only_lots(const Job& job);
+// Whether the job lacks nothing but samples to verify, and nobody verifies any.
+bool is_unattended(const Job& job);
 
 class Auditors {
  public:

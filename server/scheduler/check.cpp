@@ -98,6 +98,8 @@ std::optional<std::string> Invariants::check_job(const Job& job) const {
     return wrong("is not counted as it is");
   if (farm_.audit_waits.contains(job.number()) != lacks_only_lots(job))
     return wrong("waits for auditors, and is listed otherwise");
+  if (farm_.unattended.contains(job.number()) != is_unattended(job))
+    return wrong("has samples that nobody verifies, and is listed otherwise");
   return std::nullopt;
 }
 
@@ -106,6 +108,8 @@ std::optional<std::string> Invariants::check_lease(const Job& job, const Lease& 
   const Worker* const holder = farm_.registry.find(lease.holder);
   if (holder == nullptr || !holder->holds(lease.id) || !farm_.live_leases.contains(lease.id))
     return fmt::format("job {}: lease {} is not in its holder's entry", job.id().value, lease.id.value);
+  if (lease.token != farm_.options.sign(lease.id, lease.holder, job.id()))
+    return fmt::format("job {}: lease {} has the token of another", job.id().value, lease.id.value);
   return std::nullopt;
 }
 

@@ -317,6 +317,12 @@ struct Unaudited {
   std::size_t ranges = 0;
 };
 
+// A job that lacks nothing but samples to verify, and has done so for Options::unattended_patience.
+struct Unattended {
+  JobId job;
+  std::uint64_t samples = 0;
+};
+
 struct Actions {
   // Why the event was refused. A refused event has changed nothing; but the passing of time may have, so the
   // other actions must be done all the same.
@@ -343,6 +349,9 @@ struct Actions {
   // Ranges for which two workers rendered different sums and a third must decide; for the log.
   std::vector<std::string> contradictions;
   std::vector<Unaudited> unaudited;
+  // Each once, until somebody verifies samples of the job; for the log. Not due at a time: reported with the
+  // next event.
+  std::vector<Unattended> unattended;
   // Workers that send heartbeats, but have delivered nothing of a job for too long, so that their leases of
   // it went to others; for the log.
   std::vector<std::string> stalled;

@@ -21,6 +21,7 @@
 #include "server/scheduler/swept_map.hpp"
 #include "server/scheduler/totals.hpp"
 #include "server/scheduler/types.hpp"
+#include "server/scheduler/unattended_audits.hpp"
 #include "server/scheduler/waiting_workers.hpp"
 #include "server/scheduler/work_index.hpp"
 #include "server/scheduler/worker_registry.hpp"
@@ -84,8 +85,10 @@ struct FarmState {
   // Of all workers and jobs.
   RateMeter rate;
   AuditWaits audit_waits;
+  UnattendedAudits unattended;
   ReviewQueue reviews;
-  // Jobs that may have changed since they were last entered in work, job_totals and audit_waits.
+  // Jobs that may have changed since they were last entered in work, job_totals, audit_waits and
+  // unattended.
   std::set<JobNumber> touched;
   Step step;
 };

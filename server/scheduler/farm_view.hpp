@@ -36,9 +36,6 @@ class FarmView {
   // Absent: never.
   std::optional<Time> next_deadline() const;
 
-  // Whether the job lacks nothing but samples to verify, and nobody verifies any.
-  bool awaits_auditors(const JobId& id) const;
-
   // Speeds are those at `now`.
   std::optional<JobView> job(const JobId& id, Time now) const;
   // In the order of submission.

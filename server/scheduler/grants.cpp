@@ -64,7 +64,8 @@ void Grants::grant(Worker& worker, Job& job, Portion portion) {
   ++farm_.counts.granted_leases;
   job.last_served = ++farm_.servings;
   charge(job, portion);
-  Lease lease{farm_.last_lease_id, worker.info.id, std::move(portion.items), portion.alone};
+  Lease lease{farm_.last_lease_id, worker.info.id, std::move(portion.items), portion.alone,
+              farm_.options.sign(farm_.last_lease_id, worker.info.id, job.id())};
   if (portion.audit) lease.auditor = farm_.producers.number(worker.producer());
   leases_.enter(worker, job, std::move(lease));
 }

@@ -28,6 +28,7 @@ void Jobs::remove(Job& job, Actions& actions) {
   farm_.work.remove(number);
   farm_.job_totals.remove(number);
   farm_.audit_waits.leave(number);
+  farm_.unattended.leave(number);
   farm_.reviews.remove(number);
   auto removed = farm_.jobs.extract(number);
   actions.discarded.push_back(std::make_shared<decltype(removed)>(std::move(removed)));
@@ -96,6 +97,11 @@ void Jobs::refresh_indexes() {
       farm_.audit_waits.enter(number);
     } else {
       farm_.audit_waits.leave(number);
+    }
+    if (is_unattended(job)) {
+      farm_.unattended.enter(number, farm_.now);
+    } else {
+      farm_.unattended.leave(number);
     }
   }
   farm_.touched.clear();

@@ -23,6 +23,8 @@ struct Lease {
   std::vector<WorkItem> items;
   // Its holder may hold nothing else (poison_tracker.hpp).
   bool alone = false;
+  // Proves that it was given to its holder.
+  LeaseToken token{};
   // Set if its samples are done and this worker audits them (audits.hpp).
   std::optional<ProducerNumber> auditor{};
   // Changed by the table only.

@@ -19,8 +19,8 @@ struct WorkPerEvent {
   int revoked_leases = 64;
   // Tiles that are searched for samples of distrusted workers, and audits that are given up.
   int searched_tiles = 4096, waived_audits = 1024;
-  // Jobs that need an auditor.
-  int unaudited_jobs = 32;
+  // Jobs that need an auditor, and those of them that are reported.
+  int unaudited_jobs = 32, reported_jobs = 16;
 };
 
 struct Options {
@@ -39,6 +39,8 @@ struct Options {
   // A job that lacks nothing but audits by lot, and has no worker that could do them, is done after this
   // time.
   Duration audit_patience = std::chrono::seconds(60);
+  // A job that lacks nothing but samples to verify, which nobody verifies, is reported after this time.
+  Duration unattended_patience = std::chrono::seconds(5);
   WorkPerEvent per_event{};
   // Signs leases. Results and reported leases count only with the token that this returns. By default all
   // tokens are empty.

@@ -32,8 +32,8 @@ Reply Replies::reply_to(Worker& worker) {
   Reply reply;
   std::set<LeaseId> ids;
   for (const HeldLease& held : worker.leases) {
-    reply.leases.push_back({held.id, held.job, farm_.jobs.at(held.number).find_lease(held.id)->items,
-                            farm_.options.sign(held.id, worker.info.id, held.job)});
+    const Lease& lease = *farm_.jobs.at(held.number).find_lease(held.id);
+    reply.leases.push_back({held.id, held.job, lease.items, lease.token});
     ids.insert(held.id);
   }
   reply.changed = ids != worker.reported || worker.shrunk;

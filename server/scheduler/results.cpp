@@ -139,8 +139,10 @@ void Results::spare_others(const Job& job, const WorkItem& item, const WorkerId&
 
 core::Status Results::validate_lease(const Job& job, const SubmitResult& event) const {
   const bool never_given = event.lease == LeaseId{} || event.lease > farm_.last_lease_id;
-  const bool proved = event.token == farm_.options.sign(event.lease, event.worker, event.job);
   const Lease* const lease = job.find_lease(event.lease);
+  const LeaseToken token =
+      lease != nullptr ? lease->token : farm_.options.sign(event.lease, event.worker, event.job);
+  const bool proved = event.token == token;
   if (!never_given && proved && (lease == nullptr || lease->holder == event.worker)) return {};
   return core::fail(
       core::ErrorCode::kInvalidArgument,

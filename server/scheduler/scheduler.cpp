@@ -29,6 +29,7 @@ Actions Scheduler::handle(const Event& event, Time now) {
   if (asking != nullptr) farm_.waiting.release(*asking);
   replies_.wake_waiting(actions);
   report_progress(actions);
+  report_unattended(actions);
   if (asking != nullptr) reply(*asking, result, actions);
   return actions;
 }
@@ -66,6 +67,15 @@ void Scheduler::count_verdicts(const std::vector<Verdict>& verdicts) {
     farm_.counts.accepted_items += verdict == Verdict::kAccepted;
     farm_.counts.audited_items += verdict == Verdict::kAudited;
     farm_.counts.dropped_items += verdict == Verdict::kDropped;
+  }
+}
+
+void Scheduler::report_unattended(Actions& actions) {
+  const auto most = static_cast<std::size_t>(farm_.options.per_event.reported_jobs);
+  for (const JobNumber number :
+       farm_.unattended.take_due(farm_.now, farm_.options.unattended_patience, most)) {
+    const Job& job = farm_.jobs.at(number);
+    actions.unattended.push_back({job.id(), job.to_verify()});
   }
 }
 

@@ -68,6 +68,7 @@ class Scheduler : public FarmView {
   Worker* dispatch(const Event& event, Actions& actions);
   void count_verdicts(const std::vector<Verdict>& verdicts);
   void report_progress(Actions& actions);
+  void report_unattended(Actions& actions);
   // Answers the sender of the event.
   void reply(Worker& worker, const SubmitResult* result, Actions& actions);
 

@@ -87,12 +87,6 @@ WorkerView FarmView::worker_view(const Worker& worker, Time now) const {
           .cooldowns = cooldowns_of(worker, now)};
 }
 
-bool FarmView::awaits_auditors(const JobId& id) const {
-  const Job* const job = farm_.find(id);
-  return job != nullptr && job->state() == JobState::kRunning && job->done() == job->total() &&
-         job->holder_count() == 0;
-}
-
 std::optional<JobView> FarmView::job(const JobId& id, Time now) const {
   const Job* const job = farm_.find(id);
   return job == nullptr ? std::nullopt : std::optional<JobView>(job_view(*job, now));

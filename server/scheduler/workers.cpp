@@ -103,7 +103,7 @@ void Workers::adopt(Worker& worker, const LeaseDescription& reported) {
   if (reported.token != farm_.options.sign(reported.id, worker.info.id, reported.job)) return;
   std::vector<WorkItem> items = job->free_parts(reported.items);
   if (items.empty()) return;
-  Lease lease{reported.id, worker.info.id, std::move(items)};
+  Lease lease{reported.id, worker.info.id, std::move(items), false, reported.token};
   lease.state = LeaseState::kHeld;
   leases_.enter(worker, *job, std::move(lease));
   ++farm_.counts.adopted_leases;

@@ -63,7 +63,7 @@ forbid "The server includes of core only base, cli, common, film, http, image, m
   "${include}core/" --but '^server/validator/|[<"]core/(base|cli|common|film|http|image|math|sandbox|view)/|[<"]core/scene/(settings|render_record)\.hpp' \
   "${sources[@]}" server
 forbid "The scheduler includes neither RPC nor SQLite, nor any other folder of the server." \
-  "${include}(grpc|google/protobuf|tessera/v1|proto/|sqlite3|server/(base|events|blobs|store|film|farm|jobs|dispatch|fleet|watch|admin|auth|rpc|scaling|metrics|validator|coordinator|main))" \
+  "${include}(grpc|google/protobuf|tessera/v1|proto/|sqlite3|server/)" --but '[<"]server/scheduler/' \
   "${sources[@]}" server/scheduler
 forbid "Only the metrics include the library of Prometheus." "${include}prometheus/" \
   --but '^(core/common/metric|server/metrics/|worker/metrics\.)' "${sources[@]}" core proto server worker client
@@ -102,6 +102,18 @@ long=$(prose | LC_ALL=C.UTF-8 grep -E '^[^:]+:[0-9]+:.{121}') || true
 if [ -n "$long" ]; then
   printf '%s\n%s\n\n' "Prose of Markdown wraps at 120 characters." "$long"
   broken=1
+fi
+
+# The head of tests/CMakeLists.txt names the labels of tests.
+if [ -e tests/CMakeLists.txt ]; then
+  labels=$(sed 's/^# //' tests/CMakeLists.txt | tr '\n' ' ' | grep -oP 'what kind of test it is \(\K[^)]+' | tr -d ' ' | tr , ' ') || true
+  tests=$(grep -rhE '^[^#]*(LABELS|tessera_[a-z_]*test[a-z_]*\()' --include=CMakeLists.txt tests) || true
+  for label in $labels; do
+    if ! grep -qw -e "$label" <<<"$tests"; then
+      printf '%s\n%s\n\n' "A label that is named has tests." "$(grep -nHw -m 1 -e "$label" tests/CMakeLists.txt)"
+      broken=1
+    fi
+  done
 fi
 
 exit "$broken"

@@ -7,10 +7,13 @@ set -euo pipefail
 check=${1:?usage: self_test.sh CHECK_SOURCES}
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
-mkdir -p "$tree"/{core/{film,cli,common,http,sandbox,scene,view},proto,server/scheduler,server/validator,worker,client,scenes}
+mkdir -p "$tree"/{core/{film,cli,common,http,sandbox,scene,view},proto,server/scheduler,server/validator,worker,client,scenes,tests/unit}
 echo '#include "core/film/film.hpp"' >"$tree/server/main.cpp"
 echo '#include "core/scene/loader/loader.hpp"' >"$tree/server/validator/validator.cpp"
 echo 'float f(float x) { return tessera::core::sin(x) + std::sqrt(x); }' >"$tree/core/film/film.cpp"
+
+echo '# CTest labels say what kind of test it is (unit).' >"$tree/tests/CMakeLists.txt"
+echo 'set_tests_properties(core PROPERTIES LABELS unit)' >"$tree/tests/unit/CMakeLists.txt"
 
 failures=0
 report() {
@@ -53,6 +56,7 @@ plant server/bad.cpp '#include "core/integrators/render.hpp"'
 plant server/bad.cpp '#include "core/scene/scene.hpp"'
 plant server/scheduler/bad.hpp '#include <sqlite3.h>'
 plant server/scheduler/bad.hpp '  #  include "server/store/store.hpp"'
+plant server/scheduler/bad.cpp '#include "server/any/folder.hpp"'
 plant server/bad.cpp '#include <prometheus/counter.h>'
 plant server/bad.cpp 'std::mutex mutex_;'
 plant core/bad.cmake 'target_compile_options(x -march=na''tive)'
@@ -65,6 +69,7 @@ plant scenes/bad.cpp '#include <random>'
 plant core/film/bad.hpp '// see /home/someone/tessera'
 plant scenes/generate 'cd /home/someone/tessera'
 plant scenes/bad.mtl 'map_Kd /home/someone/wood.png'
+plant tests/CMakeLists.txt '# CTest labels say what kind of test it is (browser).'
 plant bad.md "$long"
 plant scenes/bad.md "- $long"
 

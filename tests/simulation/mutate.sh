@@ -4,8 +4,11 @@
 # a copy of the source, builds simulate_farms with it, and simulates FARMS (2000) farms, which must go wrong. BUILD
 # is a build directory of Ninja in which simulate_farms is built; nothing in it is changed.
 # Prints for each what noticed it and the seed. Exit status: 0 if all are noticed, 1 if one is not or cannot be made.
+# mutate.sh --check only looks whether all can be made: whether their texts stand in the source as they should.
 set -euo pipefail
 
+only_check=""
+[ "${1:-}" != --check ] || { only_check=yes && set -- .; }
 build=$(cd "${1:?usage: mutate.sh BUILD [FARMS [NAME ...]]}" && pwd)
 farms=${2:-2000}
 shift $(($# < 2 ? $# : 2))
@@ -18,9 +21,11 @@ trap 'rm -rf "$work"' EXIT
 # about half of that on a machine that is otherwise idle.
 longest_seconds=$((300 + farms / 5))
 
-ninja -C "$build" -t commands simulate_farms >"$work/commands"
-link=$(tail -n 1 "$work/commands")
-[[ $link == *bin/simulate_farms* ]] || { echo "mutate.sh: $build does not build simulate_farms with Ninja" >&2; exit 1; }
+if [ -z "$only_check" ]; then
+  ninja -C "$build" -t commands simulate_farms >"$work/commands"
+  link=$(tail -n 1 "$work/commands")
+  [[ $link == *bin/simulate_farms* ]] || { echo "mutate.sh: $build does not build simulate_farms with Ninja" >&2; exit 1; }
+fi
 
 # change FILE OLD NEW: prints FILE with NEW for OLD, which must stand in it exactly once.
 change() {
@@ -52,12 +57,14 @@ build_mutant() {
   (cd "$build" && eval "$compile" && eval "${link/-o bin\/simulate_farms/"'$1/mutant.o' -o '$1/simulate_farms'"}") >"$1/log" 2>&1
 }
 
-# mutate NAME WHAT FILE OLD NEW: prints one line. Fails if nobody notices.
+# mutate NAME WHAT FILE OLD NEW: prints one line, of a check only if it cannot be made. Fails if nobody notices.
 mutate() {
   local directory=$work/$1 outcome status=0
   mkdir "$directory"
   if ! change "$root/$3" "$4" "$5" >"$directory/mutant.cpp"; then
     outcome="CANNOT BE MADE: its text does not stand in $3 exactly once"
+  elif [ -n "$only_check" ]; then
+    return 0
   elif ! build_mutant "$directory" "$3"; then
     outcome="DOES NOT BUILD: $(grep -m 1 error "$directory/log" || tail -n 1 "$directory/log")"
   else
@@ -99,5 +106,5 @@ while IFS= read -r line; do
 done <"$here/mutations/list.txt"
 finish
 
-echo "$made mistakes made, $((made - failures)) noticed"
+[ -n "$only_check" ] || echo "$made mistakes made, $((made - failures)) noticed"
 [ "$made" -gt 0 ] && [ "$failures" -eq 0 ]

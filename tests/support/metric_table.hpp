@@ -43,6 +43,21 @@ inline std::set<std::string> documented_metric_rows(const std::set<std::string>&
   return rows;
 }
 
+// Whether there is a series with this name and label; of a histogram, one of its buckets.
+inline bool has_label(const std::vector<prometheus::MetricFamily>& families, const std::string& series,
+                      const std::string& label, const std::string& value) {
+  for (const auto& family : families)
+    for (const auto& metric : family.metric) {
+      if (label == "le" && series == family.name + "_bucket")
+        for (const auto& bucket : metric.histogram.bucket)
+          if (bucket.upper_bound == std::stod(value)) return true;
+      if (series != family.name) continue;
+      for (const auto& shown : metric.label)
+        if (shown.name == label && shown.value == value) return true;
+    }
+  return false;
+}
+
 // A single value; the family must have it. Labels as pairs in their order.
 inline double metric_value(const std::vector<prometheus::MetricFamily>& families, const std::string& name,
                            const std::vector<prometheus::ClientMetric::Label>& labels = {}) {

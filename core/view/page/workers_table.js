@@ -18,6 +18,18 @@ async function drain(worker, undo) {
   });
 }
 
+async function entriesOf(worker) {
+  const own = [];
+  for (let token = ''; token !== undefined; ) {
+    const page = await get(`quarantine?page_token=${encodeURIComponent(token)}`);
+    own.push(
+      ...page.entries.filter((entry) => entry.worker_id === worker.id || entry.worker_name === worker.name),
+    );
+    token = page.next_page_token || undefined;
+  }
+  return own;
+}
+
 async function release(worker) {
   const sure = await confirm(
     `Release ${worker.name} from quarantine?`,
@@ -30,8 +42,7 @@ async function release(worker) {
     {label: 'Release'},
   );
   if (!sure) return;
-  const {entries = []} = await get('quarantine');
-  const own = entries.filter((entry) => entry.worker_id === worker.id || entry.worker_name === worker.name);
+  const own = await entriesOf(worker);
   for (const entry of own) await remove(`quarantine/${encodeURIComponent(entry.id)}`);
   toast(own.length > 0 ? `Released ${worker.name}` : `${worker.name} is not in the list of the quarantine`);
 }

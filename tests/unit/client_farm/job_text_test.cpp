@@ -64,6 +64,17 @@ TEST(JobText, AJobThatIsOverHasNoSpeed) {
   EXPECT_THAT(job_description(job, 1090), ::testing::Not(HasSubstr("samples/s")));
 }
 
+// The clock of the coordinator was set ahead by ten years, or back.
+TEST(JobText, TellsHowLongAJobTookWhateverTheTimeOfDayIs) {
+  v1::Job job = some_job();
+  job.set_samples_done(10'000'000);
+  for (const std::int64_t finished : {-1000, 315'360'000}) {
+    job.mutable_finished_at()->set_seconds(finished);
+    EXPECT_THAT(written_text(job, {"a.exr", "a.png"}, 2.5), HasSubstr("wrote a.exr, a.png ("));
+    EXPECT_THAT(written_text(job, {"a.exr"}, 2.5), HasSubstr(" in 2.50 s, 4.00M samples/s"));
+  }
+}
+
 TEST(JobText, DescribesWhatWentWrong) {
   v1::Job job = some_job();
   job.set_state(v1::JOB_STATE_FAILED);

@@ -98,6 +98,39 @@ TEST_F(Audits, OutliveALowerLimitOnWorkers) {
   EXPECT_EQ(state("job"), kDone);
 }
 
+TEST_F(Audits, ThatNobodyDoesAreReportedOnce) {
+  const auto reported = [&] { return handle(Tick{}).unattended; };
+  submit("job", tiles(2, 1));
+  render("a");
+  pass(std::chrono::seconds(4));
+  EXPECT_THAT(reported(), IsEmpty());
+  pass(std::chrono::seconds(1));
+  const auto first = reported();
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_EQ(first[0].job.value, "job");
+  EXPECT_EQ(first[0].samples, 2 * kTilePixels);
+  pass(std::chrono::seconds(1));
+  EXPECT_THAT(reported(), IsEmpty());
+
+  sync("b", {lease_to("b")}, 1);
+  pass(std::chrono::seconds(6));
+  EXPECT_THAT(reported(), IsEmpty());
+  sync("b", {}, 0);  // gives it back
+  pass(std::chrono::seconds(5));
+  EXPECT_EQ(reported().size(), 1u);
+}
+
+TEST_F(Audits, OfManyJobsThatNobodyDoesAreReportedWithSeveralEvents) {
+  options_.per_event.reported_jobs = 2;
+  start_again({});
+  for (const char* const id : {"x", "y", "z"}) submit(id, tiles(2, 1));
+  render("a");
+  pass(std::chrono::seconds(5));
+  EXPECT_EQ(handle(Tick{}).unattended.size(), 2u);
+  EXPECT_EQ(handle(Tick{}).unattended.size(), 1u);
+  EXPECT_THAT(handle(Tick{}).unattended, IsEmpty());
+}
+
 // Audits count as work that a job is given when jobs share the farm, like missing samples.
 TEST_F(Audits, AreWorkThatAJobIsGiven) {
   submit("x", tiles(200, 1));

@@ -2,6 +2,9 @@
 // Workers that report the same samples for ever: they are given nothing, and the samples fail their job.
 #include <fmt/format.h>
 
+#include <optional>
+#include <utility>
+
 #include "tests/unit/scheduler/stalled_farm.hpp"
 
 namespace tessera::scheduler {
@@ -106,6 +109,29 @@ TEST_F(StuckWorkers, AnHourAtOneRangeCountsAgainstItInAnyCase) {
     keep_saying(*stuck_in_, name, none, seconds(5));
   }
   EXPECT_EQ(state("job"), JobState::kFailed);
+}
+
+// They hold leases and say that they render, but deliver nothing.
+TEST_F(StuckWorkers, OfOneCallerFailNoJobThatOthersMayRender) {
+  submit("job", tiles(2, 1));
+  const auto call = [&](const std::string& name, const std::string& origin,
+                        std::vector<LeaseDescription> held, int wanted, std::optional<Rendering> rendering) {
+    const WorkerInfo info{{name}, name, "0.1.0", 1, "", origin};
+    return handle(Synchronize{info, std::move(held), wanted, false, {}, std::move(rendering)}).reply->leases;
+  };
+  const auto hang = [&](const std::string& name, const std::string& origin) {
+    std::vector<LeaseDescription> held = call(name, origin, {}, 1, std::nullopt);
+    const Rendering at = item_of(held.at(0), 0);
+    for (const Time end = now_ + seconds(3605); now_ < end;) {
+      pass(seconds(5));
+      if (origin != "b") call("honest", "b", {}, 0, std::nullopt);
+      held = call(name, origin, held, 1, at);
+    }
+  };
+  for (const char* const name : {"a0", "a1", "a2", "a3"}) hang(name, "a");
+  EXPECT_EQ(state("job"), JobState::kRunning);
+  hang("honest", "b");
+  EXPECT_EQ(state("job"), JobState::kFailed) << "all who are there hang in it";
 }
 
 TEST_F(StuckWorkers, AStuckWorkerDoesNotKeepAnUnbuildableJobRunning) {

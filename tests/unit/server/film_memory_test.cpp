@@ -169,6 +169,28 @@ TEST_F(FilmMemory, ADoneJobIsExtendedWithoutItsFilmInMemory) {
   EXPECT_EQ(pixels(id), ready_made_image(kWidthPx, kHeightPx, 2 * kSpp).pixels);
 }
 
+// What can be refused without its film does not load it: a tile of it is damaged.
+TEST_F(FilmMemory, ADoneJobIsReadOnlyIfItMayBeExtended) {
+  limits_.film_gib = 1;
+  limits_.spp = 2 * kSpp;
+  limits_.open_jobs = 1;
+  open();
+  const std::string id = submit();
+  work('a');
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
+  execute("UPDATE tiles SET content = X'00'");
+  const auto refusal_of = [&](std::uint32_t spp) { return coordinator().jobs().extend(id, spp).error(); };
+  EXPECT_THAT(refusal_of(2 * kSpp + 1).message, HasSubstr("--max-spp"));
+  EXPECT_EQ(refusal_of(1).code, ErrorCode::kInvalidArgument);
+  const std::string other = submit();
+  EXPECT_THAT(refusal_of(2 * kSpp).message, HasSubstr("--max-open-jobs"));
+  ASSERT_TRUE(coordinator().jobs().cancel(other));
+  EXPECT_EQ(refusal_of(2 * kSpp).code, ErrorCode::kDataLoss) << "it may, and is read";
+  fingerprints_ = {"beef"};
+  open();
+  EXPECT_THAT(refusal_of(2 * kSpp).message, HasSubstr("by workers of another build"));
+}
+
 TEST_F(FilmMemory, ATileThatTheStoreHasLostIsRenderedAgain) {
   const std::string id = submit();
   core::Film expected = empty_film();

@@ -6,7 +6,10 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <cstdint>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "server/base/wall_clock.hpp"
 #include "tests/unit/server/scripted_farm.hpp"
@@ -40,6 +43,15 @@ class FleetTest : public ScriptedFarm {
     lie.mutable_items(0)->set_sums_xxh3(lie.items(0).sums_xxh3() ^ 1);
     for (int i = 0; i < farm::Quarantine::kRejectionsUntilQuarantine; ++i)
       EXPECT_FALSE(coordinator().dispatcher().submit_result(lie, principal));
+  }
+  // A page of the quarantine.
+  v1::ListQuarantineResponse quarantined(std::uint32_t page_size = 0, const std::string& token = {}) {
+    v1::ListQuarantineRequest request;
+    request.set_page_size(page_size);
+    request.set_page_token(token);
+    const auto page = coordinator().fleet().list_quarantine(request);
+    EXPECT_TRUE(page) << page.error().message;
+    return page ? *page : v1::ListQuarantineResponse();
   }
   // The code with which a worker's call is refused; empty if it gets a lease or waits for one.
   std::optional<ErrorCode> refusal_of(char worker, char machine, const WorkerPrincipal& principal = {}) {
@@ -81,7 +93,7 @@ class FleetTest : public ScriptedFarm {
 
 TEST_F(FleetTest, QuarantineIsListedAndLifted) {
   quarantine('a', 'm', kShared);
-  const v1::ListQuarantineResponse list = coordinator().fleet().quarantine();
+  const v1::ListQuarantineResponse list = quarantined();
   ASSERT_EQ(list.entries_size(), 1);
   EXPECT_EQ(list.entries(0).worker_id(), std::string(32, 'a'));
   EXPECT_EQ(list.entries(0).worker_name(), "host-a");
@@ -92,23 +104,44 @@ TEST_F(FleetTest, QuarantineIsListedAndLifted) {
 
   EXPECT_EQ(coordinator().fleet().lift(std::string(32, 'b')).error().code, ErrorCode::kNotFound);
   EXPECT_TRUE(coordinator().fleet().lift(list.entries(0).id()));
-  EXPECT_EQ(coordinator().fleet().quarantine().entries_size(), 0);
+  EXPECT_EQ(quarantined().entries_size(), 0);
   EXPECT_EQ(synchronize(greeting_of_machine('a', 'm'), kShared).leases_size(), 1);
   EXPECT_EQ(refusal_of('b', 'm', kShared), std::nullopt);
   EXPECT_FALSE(worker('a').quarantined());
 }
 
+TEST_F(FleetTest, QuarantineIsListedInPages) {
+  for (const char worker : {'a', 'b', 'c', 'd', 'e'}) quarantine(worker, worker);
+  std::vector<std::string> ids;
+  std::string token;
+  for (const int size : {2, 2, 1}) {
+    const v1::ListQuarantineResponse page = quarantined(2, token);
+    EXPECT_EQ(page.entries_size(), size);
+    for (const v1::QuarantineEntry& entry : page.entries()) ids.push_back(entry.id());
+    token = page.next_page_token();
+    EXPECT_EQ(token.empty(), size == 1);
+  }
+  EXPECT_EQ(ids.size(), std::set<std::string>(ids.begin(), ids.end()).size());
+  EXPECT_EQ(quarantined(5).next_page_token(), "") << "nothing follows";
+  v1::ListQuarantineRequest request;
+  for (const char* const odd : {"x", "7", "-", "99999999999999999999-a"}) {
+    request.set_page_token(odd);
+    EXPECT_EQ(coordinator().fleet().list_quarantine(request).error().code, ErrorCode::kInvalidArgument)
+        << odd;
+  }
+}
+
 TEST_F(FleetTest, QuarantineSurvivesARestartUntilItIsLifted) {
   quarantine('a', 'm');
-  const v1::ListQuarantineResponse before = coordinator().fleet().quarantine();
+  const v1::ListQuarantineResponse before = quarantined();
   ASSERT_TRUE(coordinator().fleet().save());
   open();
-  EXPECT_EQ(coordinator().fleet().quarantine().SerializeAsString(), before.SerializeAsString());
+  EXPECT_EQ(quarantined().SerializeAsString(), before.SerializeAsString());
   EXPECT_EQ(refusal_of('a', 'm'), ErrorCode::kFailedPrecondition);
   EXPECT_EQ(refusal_of('b', 'm'), ErrorCode::kFailedPrecondition);
   ASSERT_TRUE(coordinator().fleet().lift(std::string(32, 'a')));
   open();
-  EXPECT_EQ(coordinator().fleet().quarantine().entries_size(), 0);
+  EXPECT_EQ(quarantined().entries_size(), 0);
   EXPECT_EQ(refusal_of('a', 'm'), std::nullopt);
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/base/available_resources.hpp"
+#include "server/farm/totals.hpp"
 #include "server/rpc/reactors.hpp"
 #include "tests/unit/server/limited_service.hpp"
 
@@ -124,6 +125,25 @@ TEST_F(Heartbeats, AreAnsweredWhileEveryOtherThreadIsHeldUp) {
   EXPECT_EQ(uploaded.wait_for(seconds(0)), std::future_status::timeout) << "it has threads of its own";
   barrier_.open();
   EXPECT_TRUE(uploaded.get().ok());
+}
+
+// By themselves they would wait for some minutes.
+TEST_F(Heartbeats, OfCallersThatHaveGoneAreRemovedAtOnce) {
+  lease_duration_ = std::chrono::minutes(10);
+  start({});
+  const auto waiting = [this] { return farm::totals_of(coordinator_->farm()).waiting_calls; };
+  grpc::ClientContext context;
+  const v1::SynchronizeRequest request = greeting_with_key('a');
+  v1::SynchronizeResponse response;
+  std::promise<grpc::StatusCode> ended;
+  workers_->async()->Synchronize(&context, &request, &response,
+                                 [&](const grpc::Status& status) { ended.set_value(status.error_code()); });
+  while (waiting() == 0) std::this_thread::yield();
+  context.TryCancel();
+  EXPECT_EQ(ended.get_future().get(), grpc::StatusCode::CANCELLED);
+  const auto late = steady_clock::now() + seconds(60);
+  while (waiting() > 0 && steady_clock::now() < late) std::this_thread::yield();
+  EXPECT_EQ(waiting(), 0u);
 }
 
 }  // namespace

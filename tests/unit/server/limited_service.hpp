@@ -78,6 +78,7 @@ class LimitedService : public testing::Test {
     options.limits = limits;
     options.farm.now = [this] { return std::chrono::steady_clock::now() + passed_.load(); };
     options.farm.fingerprints = {server::kFingerprint};
+    options.farm.lease_duration = lease_duration_;
     coordinator_ = std::move(*server::Coordinator::open(options, std::move(*state), check_scene_));
     server_ = std::move(
         *Server::start(*coordinator_, {.address = "127.0.0.1:0", .access = access_, .limits = limits}));
@@ -218,6 +219,7 @@ class LimitedService : public testing::Test {
 
   TemporaryFolder folder_;
   std::atomic<std::chrono::minutes> passed_{std::chrono::minutes(0)};
+  scheduler::Duration lease_duration_ = farm::Options().lease_duration;
   auth::Access access_;
   jobs::SceneCheck check_scene_ = server::accept_scene;
   Barrier barrier_;

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -159,6 +160,40 @@ TEST_F(LogFieldsOf, RejectionsDoNotFillTheLog) {
     if (line.contains("peer")) rejections.push_back(line.at("message"));
   ASSERT_EQ(rejections.size(), 2u) << "the first one, and after ten seconds the last one";
   EXPECT_THAT(rejections.back(), testing::HasSubstr("(1999 such since the last line)"));
+}
+
+// The 150 workers of one caller register, deliver what is wrong, and are heard of no more.
+TEST_F(LogFieldsOf, WorkersThatComeAndGoDoNotFillTheLog) {
+  constexpr int kWorkers = 150, kMaxLines = static_cast<int>(farm::Logs::kMaxEvents);
+  v1::SubmitJobRequest large = submission();
+  large.mutable_overrides()->set_width_px(2048);
+  large.mutable_overrides()->set_height_px(2048);
+  submit(large);
+  const auto lines = logged([&] {
+    for (int i = 0; i < kWorkers; ++i) {
+      v1::SynchronizeRequest greeting_of_one = greeting('a');
+      greeting_of_one.set_worker_id(fmt::format("{:032x}", i));
+      v1::SubmitResultRequest damaged = delivery('a', synchronize(greeting_of_one).leases(0));
+      damaged.set_worker_id(greeting_of_one.worker_id());
+      damaged.mutable_items(0)->set_sums_xxh3(damaged.items(0).sums_xxh3() ^ 1);
+      for (int j = 0; j < farm::Quarantine::kRejectionsUntilQuarantine; ++j)
+        EXPECT_FALSE(coordinator().dispatcher().submit_result(damaged));
+    }
+    now_ += std::chrono::seconds(11);
+    for (int tick = 0; tick < kWorkers; ++tick) coordinator().dispatcher().tick();
+    now_ += std::chrono::seconds(11);
+    coordinator().dispatcher().tick();
+  });
+  for (const char* const what : {" registered", " is quarantined: ", " is lost"}) {
+    const auto has = [&](const std::string& text) {
+      return std::count_if(lines.begin(), lines.end(), [&](const nlohmann::json& line) {
+        const auto message = line.at("message").get<std::string>();
+        return message.find(what) != std::string::npos && message.find(text) != std::string::npos;
+      });
+    };
+    EXPECT_EQ(has(""), kMaxLines + 1) << what;
+    EXPECT_EQ(has(fmt::format("({} such since the last line)", kWorkers - kMaxLines)), 1) << what;
+  }
 }
 
 }  // namespace

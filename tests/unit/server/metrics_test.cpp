@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <regex>
+#include <sstream>
 #include <string>
 
 #include "server/metrics/collect.hpp"
@@ -61,6 +63,21 @@ TEST_F(CoordinatorMetrics, AreDocumentedEachAndNoOthers) {
     EXPECT_TRUE(documented.contains(row)) << "docs/metrics.md lacks the line\n" << row;
   for (const std::string& row : documented)
     EXPECT_TRUE(shown.contains(row)) << "docs/metrics.md has a line too many\n" << row;
+}
+
+// Of the alert rules: tests/alerts compares their names with the documented ones.
+TEST_F(CoordinatorMetrics, HaveTheLabelsThatAlertRulesName) {
+  start({});
+  const auto families = collected();
+  const std::string rules = read_file(TESSERA_SOURCE_DIR "/deploy/prometheus/tessera.rules.yml");
+  const std::regex selector(R"re((tessera_[a-z_]+)\{([a-z]+)(?:=~|!=|=)"([^"]+)"\})re");
+  int checked = 0;
+  for (std::sregex_iterator next(rules.begin(), rules.end(), selector), end; next != end; ++next) {
+    std::istringstream values((*next)[3]);
+    for (std::string value; std::getline(values, value, '|'); ++checked)
+      EXPECT_TRUE(test::has_label(families, (*next)[1], (*next)[2], value)) << (*next)[0];
+  }
+  EXPECT_GE(checked, 6);
 }
 
 TEST_F(CoordinatorMetrics, CountJobsWorkersAndSamples) {

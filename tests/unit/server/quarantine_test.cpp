@@ -57,7 +57,7 @@ TEST(QuarantineTest, IsLiftedForAllOfAMachineAndAPrincipal) {
   EXPECT_EQ(quarantine.lift("a").size(), 2u);
   EXPECT_EQ(quarantine.find({"host", {"b"}, "machine"}, true), nullptr);
   EXPECT_EQ(quarantine.find({"host", {"e"}, "machine"}, false), nullptr);
-  EXPECT_EQ(quarantine.entries().size(), 1u);
+  EXPECT_EQ(quarantine.size(), 1u);
   EXPECT_EQ(quarantine.lift("c").size(), 1u);
   EXPECT_EQ(quarantine.find({"host", {"c"}, "other", "ada"}, false), nullptr);
 }
@@ -78,7 +78,7 @@ TEST(QuarantineTest, DropsTheOldestOfTooMany) {
   for (std::size_t i = 0; i <= Quarantine::kMaxEntries; ++i)
     quarantine.add(entry_of({"host", {std::to_string(i)}, "machine " + std::to_string(i)},
                             static_cast<std::int64_t>(i)));
-  EXPECT_EQ(quarantine.entries().size(), Quarantine::kMaxEntries);
+  EXPECT_EQ(quarantine.size(), Quarantine::kMaxEntries);
   EXPECT_EQ(quarantine.find({"host", {"0"}, "machine 0"}, false), nullptr);
   EXPECT_NE(quarantine.find({"host", {"1"}, "machine 1"}, false), nullptr);
 }

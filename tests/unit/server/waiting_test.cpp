@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <memory>
+#include <optional>
 
 #include "tests/unit/server/scripted_farm.hpp"
 
@@ -177,6 +179,43 @@ TEST_F(Waiting, CancelledCallsGetNoLeases) {
   const auto workers = coordinator().dispatcher().workers();
   ASSERT_EQ(workers.size(), 2u);
   EXPECT_EQ(workers[0].held_leases(), 0u);
+}
+
+TEST_F(Waiting, CallsOfCallersThatHaveGoneCanBeRemovedAtOnce) {
+  const std::string worker = greeting('a').worker_id();
+  WaitingCall call(coordinator(), greeting('a'));
+  coordinator().dispatcher().remove_gone(worker);
+  EXPECT_FALSE(call.answered());
+  call.leave();
+  coordinator().dispatcher().remove_gone(worker);
+  ASSERT_TRUE(call.answered());
+  EXPECT_EQ(call.answer().error().code, ErrorCode::kCancelled);
+  coordinator().dispatcher().remove_gone(worker);
+}
+
+TEST_F(Waiting, ACallerThatHasGoneBeforeItIsHeardIsNotRegistered) {
+  submit();
+  std::optional<ErrorCode> answer;
+  coordinator().dispatcher().synchronize(
+      greeting('a'),
+      {.answer = [&](const auto& result) { answer = result.error().code; }, .is_gone = [] { return true; }});
+  EXPECT_EQ(answer, ErrorCode::kCancelled);
+  EXPECT_TRUE(coordinator().dispatcher().workers().empty());
+}
+
+TEST_F(Waiting, ATickLooksAtNoCallThatIsNotDue) {
+  const auto looks = std::make_shared<int>(0);
+  coordinator().dispatcher().synchronize(
+      greeting('a'), {.answer = [](const auto&) {}, .is_gone = [looks] { return ++*looks < 0; }});
+  *looks = 0;
+  for (int second = 0; second < 3; ++second) {
+    now_ += seconds(1);
+    coordinator().dispatcher().tick();
+  }
+  EXPECT_EQ(*looks, 0);
+  now_ += seconds(1);
+  coordinator().dispatcher().tick();
+  EXPECT_EQ(*looks, 1) << "it is due";
 }
 
 TEST_F(Waiting, ClosingAnswersEveryone) {
