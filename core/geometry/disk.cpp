@@ -19,6 +19,7 @@ bool Disk::can_be_hit() const {
 // An ellipse reaches as far along an axis as the vector of its radii's coordinates is long.
 Aabb Disk::bounds() const {
   Aabb box;
+  if (!can_be_hit()) return box;
   for (int axis = 0; axis < 3; ++axis) {
     const double middle{center[axis]}, u{radius_u[axis]}, v{radius_v[axis]};
     const double reach = std::sqrt(u * u + v * v);

@@ -38,7 +38,7 @@ struct Disk {
   double area() const;
   // Whether it has a surface; disks without one are never hit.
   bool can_be_hit() const;
-  // Bounds of every point of it, rounded outwards.
+  // Bounds of every point of it, rounded outwards; empty if it has no surface.
   Aabb bounds() const;
 
   struct Hit {

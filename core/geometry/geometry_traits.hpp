@@ -102,51 +102,36 @@ struct Primitives::Traits<GeometryKind::kSphere> {
   }
 };
 
-template <>
-struct Primitives::Traits<GeometryKind::kDisk> {
+// Of shapes that are hit in double and hold all that is asked of them; `kShape` is the getter of Primitives.
+template <auto kShape>
+struct Primitives::AnalyticTraits {
   static Aabb bounds(const Primitives& all, std::uint32_t primitive) {
-    return all.disk(primitive).can_be_hit() ? all.disk(primitive).bounds() : Aabb{};
+    return (all.*kShape)(primitive).bounds();
   }
-  static double area(const Primitives& all, std::uint32_t primitive) { return all.disk(primitive).area(); }
+  static double area(const Primitives& all, std::uint32_t primitive) {
+    return (all.*kShape)(primitive).area();
+  }
   template <typename AnyRay>
   static std::optional<Hit> line_hit(const Primitives& all, std::uint32_t primitive, const AnyRay& ray) {
-    const auto found = all.disk(primitive).intersect(ObjectRay(ray));
+    const auto found = (all.*kShape)(primitive).intersect(ObjectRay(ray));
     if (!found) return std::nullopt;
     return Hit{static_cast<float>(found->t), primitive, 0, 0};
   }
   template <typename AnyRay>
   static ObjectPoint point(const Primitives& all, const AnyRay& ray, const Hit& hit) {
-    return all.disk(hit.primitive).point(ObjectRay(ray));
+    return (all.*kShape)(hit.primitive).point(ObjectRay(ray));
   }
   static ModelTangents tangents(const Primitives& all, const Hit& hit, Vec3, Vec2 uv, UvSet) {
-    const auto [along_u, along_v] = all.disk(hit.primitive).derivatives(uv);
+    const auto [along_u, along_v] = (all.*kShape)(hit.primitive).derivatives(uv);
     return {along_u, along_v, 1};
   }
 };
 
 template <>
-struct Primitives::Traits<GeometryKind::kCylinder> {
-  static Aabb bounds(const Primitives& all, std::uint32_t primitive) {
-    return all.cylinder(primitive).bounds();
-  }
-  static double area(const Primitives& all, std::uint32_t primitive) {
-    return all.cylinder(primitive).area();
-  }
-  template <typename AnyRay>
-  static std::optional<Hit> line_hit(const Primitives& all, std::uint32_t primitive, const AnyRay& ray) {
-    const auto found = all.cylinder(primitive).intersect(ObjectRay(ray));
-    if (!found) return std::nullopt;
-    return Hit{static_cast<float>(found->t), primitive, 0, 0};
-  }
-  template <typename AnyRay>
-  static ObjectPoint point(const Primitives& all, const AnyRay& ray, const Hit& hit) {
-    return all.cylinder(hit.primitive).point(ObjectRay(ray));
-  }
-  static ModelTangents tangents(const Primitives& all, const Hit& hit, Vec3, Vec2 uv, UvSet) {
-    const auto [along_u, along_v] = all.cylinder(hit.primitive).derivatives(uv);
-    return {along_u, along_v, 1};
-  }
-};
+struct Primitives::Traits<GeometryKind::kDisk> : Primitives::AnalyticTraits<&Primitives::disk> {};
+
+template <>
+struct Primitives::Traits<GeometryKind::kCylinder> : Primitives::AnalyticTraits<&Primitives::cylinder> {};
 
 template <>
 struct Primitives::Traits<GeometryKind::kCurve> {

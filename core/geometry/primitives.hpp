@@ -271,6 +271,8 @@ class Primitives {
 
   template <GeometryKind kKind>
   struct Traits;
+  template <auto kShape>
+  struct AnalyticTraits;
   template <typename What>
   static decltype(auto) with_traits(GeometryKind kind, const What& what);
   bool intersect_instance(std::uint32_t number, const Ray& ray, Hit& hit) const;

@@ -12,6 +12,7 @@
 #include "core/image/stb_memory.hpp"
 
 namespace tessera::core {
+namespace bmp {
 namespace {
 
 struct StbFree {
@@ -77,7 +78,8 @@ Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const Decode
 }
 
 }  // namespace
+}  // namespace bmp
 
-const Codec kBmpCodec{"BMP", false, matches, read_size, decode};
+const Codec kBmpCodec{"BMP", false, bmp::matches, bmp::read_size, bmp::decode};
 
 }  // namespace tessera::core

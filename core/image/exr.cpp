@@ -27,6 +27,7 @@
 #include "core/image/exr_layers.hpp"
 
 namespace tessera::core {
+namespace exr {
 namespace {
 
 constexpr const char* kStreamName = "image";
@@ -234,25 +235,27 @@ Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const Decode
 }
 
 }  // namespace
+}  // namespace exr
 
 Result<std::vector<std::string>> exr_layers(std::string_view bytes) {
-  return with_stream(bytes, [](StringReader& stream, const ExrHeader&) -> Result<std::vector<std::string>> {
-    return layers_of(Imf::InputFile(stream, 0).header().channels());
-  });
+  return exr::with_stream(
+      bytes, [](exr::StringReader& stream, const ExrHeader&) -> Result<std::vector<std::string>> {
+        return layers_of(Imf::InputFile(stream, 0).header().channels());
+      });
 }
 
 Result<std::uint64_t> write_exr(const ChannelRows& source, ByteSink& sink) {
   try {
-    const Imf::Header header = header_of(source);
-    SinkWriter stream(sink);
+    const Imf::Header header = exr::header_of(source);
+    exr::SinkWriter stream(sink);
     {
       Imf::OutputFile file(stream, header, 0);
-      write_rows(source, file);
+      exr::write_rows(source, file);
     }  // completes the table of offsets
     return stream.size();
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kResourceExhausted, "not enough memory to encode OpenEXR");
-  } catch (const SinkError& e) {
+  } catch (const exr::SinkError& e) {
     return fail(e.error);
   } catch (const std::exception& e) {
     return fail(ErrorCode::kInternal, fmt::format("cannot encode OpenEXR: {}", e.what()));
@@ -271,6 +274,6 @@ Result<std::uint64_t> write_exr(const RowSource& source, ByteSink& sink) {
       sink);
 }
 
-const Codec kExrCodec{"OpenEXR", true, matches, read_size, decode};
+const Codec kExrCodec{"OpenEXR", true, exr::matches, exr::read_size, exr::decode};
 
 }  // namespace tessera::core

@@ -11,6 +11,7 @@
 #include "core/image/limits.hpp"
 
 namespace tessera::core {
+namespace hdr {
 namespace {
 
 using Rgbe = std::array<std::uint8_t, 4>;
@@ -158,7 +159,8 @@ Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const Decode
 }
 
 }  // namespace
+}  // namespace hdr
 
-const Codec kHdrCodec{"HDR", true, matches, read_size, decode};
+const Codec kHdrCodec{"HDR", true, hdr::matches, hdr::read_size, hdr::decode};
 
 }  // namespace tessera::core

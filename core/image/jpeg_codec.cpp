@@ -20,6 +20,7 @@
 #include "core/image/limits.hpp"
 
 namespace tessera::core {
+namespace jpeg {
 namespace {
 
 // A progressive file may refine the same coefficients indefinitely, a few bytes at a time; typical files
@@ -205,7 +206,8 @@ Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const Decode
 }
 
 }  // namespace
+}  // namespace jpeg
 
-const Codec kJpegCodec{"JPEG", false, matches, read_size, decode};
+const Codec kJpegCodec{"JPEG", false, jpeg::matches, jpeg::read_size, jpeg::decode};
 
 }  // namespace tessera::core

@@ -9,6 +9,7 @@
 #include "core/image/codec.hpp"
 
 namespace tessera::core {
+namespace pfm {
 namespace {
 
 struct PfmHeader {
@@ -88,7 +89,8 @@ Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const Decode
 }
 
 }  // namespace
+}  // namespace pfm
 
-const Codec kPfmCodec{"PFM", true, matches, read_size, decode};
+const Codec kPfmCodec{"PFM", true, pfm::matches, pfm::read_size, pfm::decode};
 
 }  // namespace tessera::core

@@ -10,6 +10,7 @@
 #include "core/image/limits.hpp"
 
 namespace tessera::core {
+namespace png {
 namespace {
 
 constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
@@ -87,7 +88,8 @@ Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const Decode
 }
 
 }  // namespace
+}  // namespace png
 
-const Codec kPngCodec{"PNG", false, matches, read_size, decode};
+const Codec kPngCodec{"PNG", false, png::matches, png::read_size, png::decode};
 
 }  // namespace tessera::core

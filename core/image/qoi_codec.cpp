@@ -15,6 +15,7 @@
 #include "core/image/codec.hpp"
 
 namespace tessera::core {
+namespace qoi {
 namespace {
 
 using namespace std::string_view_literals;
@@ -72,7 +73,8 @@ Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const Decode
 }
 
 }  // namespace
+}  // namespace qoi
 
-const Codec kQoiCodec{"QOI", false, matches, read_size, decode};
+const Codec kQoiCodec{"QOI", false, qoi::matches, qoi::read_size, qoi::decode};
 
 }  // namespace tessera::core

@@ -8,6 +8,7 @@
 #include "core/image/limits.hpp"
 
 namespace tessera::core {
+namespace tga {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 18;
@@ -162,7 +163,8 @@ Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const Decode
 }
 
 }  // namespace
+}  // namespace tga
 
-const Codec kTgaCodec{"TGA", false, matches, read_size, decode};
+const Codec kTgaCodec{"TGA", false, tga::matches, tga::read_size, tga::decode};
 
 }  // namespace tessera::core

@@ -15,6 +15,7 @@
 #include "core/image/limits.hpp"
 
 namespace tessera::core {
+namespace tiff {
 namespace {
 
 // Only these compressions are allowed, so that untrusted bytes reach fewer decoders.
@@ -298,7 +299,8 @@ Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const Decode
 }
 
 }  // namespace
+}  // namespace tiff
 
-const Codec kTiffCodec{"TIFF", false, matches, read_size, decode};
+const Codec kTiffCodec{"TIFF", false, tiff::matches, tiff::read_size, tiff::decode};
 
 }  // namespace tessera::core

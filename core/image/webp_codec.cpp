@@ -8,6 +8,7 @@
 #include "core/image/limits.hpp"
 
 namespace tessera::core {
+namespace webp {
 namespace {
 
 const std::uint8_t* data_of(std::string_view bytes) {
@@ -56,7 +57,8 @@ Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const Decode
 }
 
 }  // namespace
+}  // namespace webp
 
-const Codec kWebpCodec{"WebP", false, matches, read_size, decode};
+const Codec kWebpCodec{"WebP", false, webp::matches, webp::read_size, webp::decode};
 
 }  // namespace tessera::core

@@ -3,10 +3,11 @@
 // The first part is a SubmitJobRequest; the others are blobs, whose digests assets get that say none.
 #include "server/validator/validate.hpp"
 #include "tests/fuzz/farm.hpp"
+#include "tests/fuzz/fuzzer.hpp"
 #include "tests/fuzz/parts.hpp"
 #include "tests/support/bundle_files.hpp"
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::bundle_fuzz {
 namespace {
 
 // As validator_process.cpp asks tessera-validator, but for the process.
@@ -65,9 +66,9 @@ void submit(std::string_view input) {
 }
 
 }  // namespace
-}  // namespace tessera::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  tessera::fuzz::submit(tessera::fuzz::as_text(data, size));
-  return 0;
+TESSERA_FUZZER(bundle, std::string_view input) {
+  submit(input);
 }
+
+}  // namespace tessera::fuzz::bundle_fuzz

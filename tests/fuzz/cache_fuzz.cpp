@@ -12,10 +12,11 @@
 #include "core/scene/cache/scene_maker.hpp"
 #include "core/scene/cache/scene_store.hpp"
 #include "tests/fuzz/expect.hpp"
+#include "tests/fuzz/fuzzer.hpp"
 #include "tests/fuzz/parts.hpp"
 #include "tests/fuzz/scratch_folder.hpp"
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::cache_fuzz {
 namespace {
 
 namespace fs = std::filesystem;
@@ -102,9 +103,9 @@ void change_and_find(std::string_view input) {
 }
 
 }  // namespace
-}  // namespace tessera::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  tessera::fuzz::change_and_find(tessera::fuzz::as_text(data, size));
-  return 0;
+TESSERA_FUZZER(cache, std::string_view input) {
+  change_and_find(input);
 }
+
+}  // namespace tessera::fuzz::cache_fuzz

@@ -13,10 +13,11 @@
 
 #include "client/render_checkpoint.hpp"
 #include "tests/fuzz/expect.hpp"
+#include "tests/fuzz/fuzzer.hpp"
 #include "tests/fuzz/parts.hpp"
 #include "tests/fuzz/scratch_folder.hpp"
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::checkpoint_fuzz {
 namespace {
 
 // One tile, whose sums are one block of the file.
@@ -104,9 +105,9 @@ void change_and_continue(std::string_view input) {
 }
 
 }  // namespace
-}  // namespace tessera::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  tessera::fuzz::change_and_continue(tessera::fuzz::as_text(data, size));
-  return 0;
+TESSERA_FUZZER(checkpoint, std::string_view input) {
+  change_and_continue(input);
 }
+
+}  // namespace tessera::fuzz::checkpoint_fuzz

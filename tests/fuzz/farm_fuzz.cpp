@@ -6,9 +6,10 @@
 #include "proto/tile_codec.hpp"
 #include "tessera/v1/render_service.pb.h"
 #include "tests/fuzz/farm.hpp"
+#include "tests/fuzz/fuzzer.hpp"
 #include "tests/fuzz/parts.hpp"
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::farm_fuzz {
 namespace {
 
 void spell_out(v1::SynchronizeRequest& request) {
@@ -97,9 +98,9 @@ void feed(std::string_view input) {
 }
 
 }  // namespace
-}  // namespace tessera::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  tessera::fuzz::feed(tessera::fuzz::as_text(data, size));
-  return 0;
+TESSERA_FUZZER(farm, std::string_view input) {
+  feed(input);
 }
+
+}  // namespace tessera::fuzz::farm_fuzz

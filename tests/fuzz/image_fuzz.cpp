@@ -10,9 +10,9 @@
 #include "core/image/exr_header.hpp"
 #include "core/textures/image_decoder.hpp"
 #include "tests/fuzz/expect.hpp"
-#include "tests/fuzz/parts.hpp"
+#include "tests/fuzz/fuzzer.hpp"
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::image_fuzz {
 namespace {
 
 void decode_as_texture(std::string_view bytes, core::ColorSpace color_space,
@@ -37,19 +37,17 @@ void decode_as_image(std::string_view bytes, const std::string& layer = {}) {
 }
 
 }  // namespace
-}  // namespace tessera::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace tessera;
-  const std::string_view bytes = fuzz::as_text(data, size);
-  fuzz::decode_as_texture(bytes, core::ColorSpace::kSrgb);
-  fuzz::decode_as_texture(bytes, core::ColorSpace::kLinear);
-  fuzz::decode_as_texture(bytes, core::ColorSpace::kLinear, core::TextureChannel::kAlpha);
-  fuzz::decode_as_image(bytes);
-  for (const char* const layer : {"Normal", "view.combined", "A"}) fuzz::decode_as_image(bytes, layer);
-  fuzz::expect_answer(core::exr_texts(bytes));
-  if (const auto layers = core::image_layers(bytes); fuzz::expect_answer(layers))
+TESSERA_FUZZER(image, std::string_view bytes) {
+  decode_as_texture(bytes, core::ColorSpace::kSrgb);
+  decode_as_texture(bytes, core::ColorSpace::kLinear);
+  decode_as_texture(bytes, core::ColorSpace::kLinear, core::TextureChannel::kAlpha);
+  decode_as_image(bytes);
+  for (const char* const layer : {"Normal", "view.combined", "A"}) decode_as_image(bytes, layer);
+  expect_answer(core::exr_texts(bytes));
+  if (const auto layers = core::image_layers(bytes); expect_answer(layers))
     for (std::size_t i = 0; i < std::min<std::size_t>(layers->size(), 3); ++i)
-      fuzz::decode_as_image(bytes, layers->at(i));
-  return 0;
+      decode_as_image(bytes, layers->at(i));
 }
+
+}  // namespace tessera::fuzz::image_fuzz

@@ -35,11 +35,12 @@ class InputAssets : public core::AssetSource {
   std::map<std::string_view, std::string_view> files_;
 };
 
-// Rendering cannot fail, whatever the scene.
+// Rendering cannot fail, whatever the scene. Nearly all of the time would go into photons.
 inline void render_corner(const core::Scene& scene) {
   constexpr core::PixelRect kCorner{0, 0, 1, 1};
   constexpr core::SampleRange kSamples{0, 2};
-  const core::FilmTile tile = core::render(core::prepare(scene, scene.settings(), 1), kCorner, kSamples, 1);
+  const auto plan = core::prepare(scene, scene.settings(), 1, core::kPhotonPathsAtOnce);
+  const core::FilmTile tile = core::render(plan, kCorner, kSamples, 1);
   expect(tile.counters.samples == kSamples.count(), "every sample is counted");
 }
 

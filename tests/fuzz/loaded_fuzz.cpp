@@ -21,9 +21,10 @@
 #include "core/scene/cache/scene_maker.hpp"
 #include "core/scene/scene.hpp"
 #include "tests/fuzz/expect.hpp"
+#include "tests/fuzz/fuzzer.hpp"
 #include "tests/fuzz/parts.hpp"
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::loaded_fuzz {
 namespace {
 
 struct Written {
@@ -102,9 +103,9 @@ void change_and_read(std::string_view input) {
 }
 
 }  // namespace
-}  // namespace tessera::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  tessera::fuzz::change_and_read(tessera::fuzz::as_text(data, size));
-  return 0;
+TESSERA_FUZZER(loaded, std::string_view input) {
+  change_and_read(input);
 }
+
+}  // namespace tessera::fuzz::loaded_fuzz

@@ -6,9 +6,9 @@
 #include "core/scene/loader/gunzip.hpp"
 #include "core/scene/loader/mesh_file.hpp"
 #include "tests/fuzz/expect.hpp"
-#include "tests/fuzz/parts.hpp"
+#include "tests/fuzz/fuzzer.hpp"
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::mesh_fuzz {
 namespace {
 
 void expect_sound(const core::MeshDescription& mesh) {
@@ -45,9 +45,9 @@ void read_and_build(std::string_view input) {
 }
 
 }  // namespace
-}  // namespace tessera::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  tessera::fuzz::read_and_build(tessera::fuzz::as_text(data, size));
-  return 0;
+TESSERA_FUZZER(mesh, std::string_view input) {
+  read_and_build(input);
 }
+
+}  // namespace tessera::fuzz::mesh_fuzz

@@ -4,15 +4,17 @@
 #include "core/scene/loader/mtl_reader.hpp"
 #include "core/scene/validation.hpp"
 #include "tests/fuzz/expect.hpp"
-#include "tests/fuzz/parts.hpp"
+#include "tests/fuzz/fuzzer.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace tessera;
-  const core::MtlFile file = core::read_mtl(fuzz::as_text(data, size));
+namespace tessera::fuzz {
+
+TESSERA_FUZZER(mtl, std::string_view input) {
+  const core::MtlFile file = core::read_mtl(input);
   core::SceneDescription scene;
   for (const auto& material : file.materials) scene.materials.push_back(core::make_material(material, {}));
   scene.materials.push_back({"plain", core::Lambert{}});
   scene.shapes.emplace_back(core::SphereDescription{});
-  fuzz::expect(core::validate_scene(scene).has_value(), "the materials are valid");
-  return 0;
+  expect(core::validate_scene(scene).has_value(), "the materials are valid");
 }
+
+}  // namespace tessera::fuzz

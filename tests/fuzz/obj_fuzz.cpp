@@ -5,9 +5,9 @@
 #include "core/scene/loader/mesh_builder.hpp"
 #include "core/scene/loader/obj_reader.hpp"
 #include "tests/fuzz/expect.hpp"
-#include "tests/fuzz/parts.hpp"
+#include "tests/fuzz/fuzzer.hpp"
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::obj_fuzz {
 namespace {
 
 // Every index of a mesh that was built refers to something.
@@ -34,9 +34,9 @@ void read_and_build(std::string_view input) {
 }
 
 }  // namespace
-}  // namespace tessera::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  tessera::fuzz::read_and_build(tessera::fuzz::as_text(data, size));
-  return 0;
+TESSERA_FUZZER(obj, std::string_view input) {
+  read_and_build(input);
 }
+
+}  // namespace tessera::fuzz::obj_fuzz

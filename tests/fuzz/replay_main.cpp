@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands in for libFuzzer where the compiler has none: gives a fuzzer's function the files named on the
-// command line, and those in the folders named there; with --mutants N also N mutants of each, which are the
-// same at every run. The last line printed names the input that crashed.
+// What stands in for libFuzzer where the compiler has none: gives the fuzzer that the command line names
+// first the files named there, and those in the folders named there; with --mutants N also N mutants of each,
+// which are the same at every run. The last line printed names the input that crashed.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -14,9 +14,11 @@
 #include <string_view>
 #include <vector>
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+#include "tests/fuzz/fuzzer.hpp"
 
 namespace {
+
+using tessera::fuzz::Fuzzer;
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -58,35 +60,44 @@ Bytes mutate(Bytes bytes, std::mt19937& random) {
   return bytes;
 }
 
-void give(const Bytes& bytes, const std::string& name) {
+void give(Fuzzer fuzzer, const Bytes& bytes, const std::string& name) {
   std::printf("%s\n", name.c_str());
   std::fflush(stdout);
-  LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
+  fuzzer(tessera::fuzz::as_text(bytes.data(), bytes.size()));
 }
 
 // How many inputs were given; 0 where the file cannot be read.
-int replay(const std::string& path, int mutants) {
+int replay(Fuzzer fuzzer, const std::string& path, int mutants) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return 0;
   const Bytes bytes{std::istreambuf_iterator<char>(file), {}};
-  give(bytes, path);
+  give(fuzzer, bytes, path);
   std::mt19937 random(static_cast<std::uint32_t>(bytes.size()));
-  for (int i = 0; i < mutants; ++i) give(mutate(bytes, random), path + ", mutant " + std::to_string(i));
+  for (int i = 0; i < mutants; ++i)
+    give(fuzzer, mutate(bytes, random), path + ", mutant " + std::to_string(i));
   return 1 + mutants;
 }
 
 }  // namespace
 
 int main(int count, char** arguments) {
+  const auto& known = tessera::fuzz::fuzzers();
+  const auto fuzzer = known.find(count > 1 ? arguments[1] : "");
+  if (fuzzer == known.end()) {
+    std::fprintf(stderr, "name one of these fuzzers first:");
+    for (const auto& [name, function] : known) std::fprintf(stderr, " %s", std::string(name).c_str());
+    std::fprintf(stderr, "\n");
+    return EXIT_FAILURE;
+  }
   int replayed = 0, mutants = 0;
-  for (int i = 1; i < count; ++i) {
+  for (int i = 2; i < count; ++i) {
     const std::string_view argument = arguments[i];
     if (argument == "--mutants" && i + 1 < count) {
       mutants = std::atoi(arguments[++i]);
       continue;
     }
     for (const std::string& path : files_of(argument)) {
-      const int given = replay(path, mutants);
+      const int given = replay(fuzzer->second, path, mutants);
       if (given == 0) {
         std::fprintf(stderr, "cannot read %s\n", path.c_str());
         return EXIT_FAILURE;

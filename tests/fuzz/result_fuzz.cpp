@@ -8,9 +8,10 @@
 #include "proto/convert.hpp"
 #include "proto/tile_codec.hpp"
 #include "tests/fuzz/farm.hpp"
+#include "tests/fuzz/fuzzer.hpp"
 #include "tests/fuzz/parts.hpp"
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::result_fuzz {
 namespace {
 
 // The bytes again and again.
@@ -66,9 +67,9 @@ void feed(std::string_view input) {
 }
 
 }  // namespace
-}  // namespace tessera::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  tessera::fuzz::feed(tessera::fuzz::as_text(data, size));
-  return 0;
+TESSERA_FUZZER(result, std::string_view input) {
+  feed(input);
 }
+
+}  // namespace tessera::fuzz::result_fuzz

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Our own scene files (load_and_render.hpp).
+#include "tests/fuzz/fuzzer.hpp"
 #include "tests/fuzz/load_and_render.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  tessera::fuzz::load_and_render(tessera::fuzz::as_text(data, size), "scene.json");
-  return 0;
+namespace tessera::fuzz {
+
+TESSERA_FUZZER(scene, std::string_view input) {
+  load_and_render(input, "scene.json");
 }
+
+}  // namespace tessera::fuzz

@@ -3,15 +3,17 @@
 #include "scenes/go/position.hpp"
 #include "scenes/go/sgf.hpp"
 #include "tests/fuzz/expect.hpp"
-#include "tests/fuzz/parts.hpp"
+#include "tests/fuzz/fuzzer.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace tessera;
-  const auto record = go::parse_sgf(fuzz::as_text(data, size), "x.sgf");
-  if (!fuzz::expect_answer(record)) return 0;
+namespace tessera::fuzz {
+
+TESSERA_FUZZER(sgf, std::string_view input) {
+  const auto record = go::parse_sgf(input, "x.sgf");
+  if (!expect_answer(record)) return;
   const auto position = go::replay(*record, std::nullopt, "x.sgf");
-  if (fuzz::expect_answer(position)) {
-    fuzz::expect(position->moves == record->move_count(), "every move is played");
+  if (expect_answer(position)) {
+    expect(position->moves == record->move_count(), "every move is played");
   }
-  return 0;
 }
+
+}  // namespace tessera::fuzz

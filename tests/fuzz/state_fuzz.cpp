@@ -10,10 +10,11 @@
 #include "server/admin/state_check.hpp"
 #include "server/store/job_store.hpp"
 #include "tests/fuzz/farm.hpp"
+#include "tests/fuzz/fuzzer.hpp"
 #include "tests/fuzz/parts.hpp"
 #include "tests/fuzz/scratch_folder.hpp"
 
-namespace tessera::fuzz {
+namespace tessera::fuzz::state_fuzz {
 namespace {
 
 namespace fs = std::filesystem;
@@ -123,9 +124,9 @@ void take_up(std::string_view input) {
 }
 
 }  // namespace
-}  // namespace tessera::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  tessera::fuzz::take_up(tessera::fuzz::as_text(data, size));
-  return 0;
+TESSERA_FUZZER(state, std::string_view input) {
+  take_up(input);
 }
+
+}  // namespace tessera::fuzz::state_fuzz

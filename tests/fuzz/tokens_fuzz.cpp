@@ -3,17 +3,18 @@
 #include "proto/security.hpp"
 #include "server/auth/access.hpp"
 #include "tests/fuzz/expect.hpp"
-#include "tests/fuzz/parts.hpp"
+#include "tests/fuzz/fuzzer.hpp"
 #include "tests/fuzz/scratch_folder.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace tessera;
-  const std::string_view bytes = fuzz::as_text(data, size);
-  const std::string file = fuzz::scratch_file("tokens", bytes);
-  fuzz::expect_answer(auth::Access::read(file));
+namespace tessera::fuzz {
+
+TESSERA_FUZZER(tokens, std::string_view bytes) {
+  const std::string file = scratch_file("tokens", bytes);
+  expect_answer(auth::Access::read(file));
   const auto token = proto::read_token(file);
-  if (fuzz::expect_answer(token)) fuzz::expect(proto::is_token(*token), "what is read is a token");
+  if (expect_answer(token)) expect(proto::is_token(*token), "what is read is a token");
   if (proto::is_loopback(std::string(bytes)))
-    fuzz::expect(bytes.find("0.0.0.0") != 0, "an address of all networks is not the loopback");
-  return 0;
+    expect(bytes.find("0.0.0.0") != 0, "an address of all networks is not the loopback");
 }
+
+}  // namespace tessera::fuzz

@@ -40,9 +40,9 @@ std::vector<double> region_means(const RenderPlan& plan) {
 }
 
 // The seeds are `first_seed` and every fourth after it.
-std::vector<Estimate> estimate(const Scene& scene, RenderSettings settings, std::uint64_t first_seed) {
+std::vector<Estimate> estimate(RenderPlans& plans, RenderSettings settings, std::uint64_t first_seed) {
   settings.width_px = settings.height_px = kSidePx;
-  const RenderPlan plan = prepare(scene, settings, 2);
+  const RenderPlan plan = plans.get(settings, 2);
   std::vector<double> sum(kRegions), sum2(kRegions);
   for (int batch = 0; batch < kBatches; ++batch) {
     settings.seed = static_cast<std::uint64_t>(batch) * 4 + first_seed;
@@ -77,12 +77,13 @@ void expect_strategies_agree(SceneDescription description) {
   description.settings.max_depth = 0;
   const auto scene = Scene::build(std::move(description), 2);
   ASSERT_TRUE(scene) << scene.error().message;
+  RenderPlans plans(*scene);
   // Noisier strategies get more samples, so that a difference can show.
-  const auto mis = estimate(*scene, {.spp = 64, .integrator = Integrator::kMis}, 2);
-  const auto nee = estimate(*scene, {.spp = 64, .integrator = Integrator::kNee}, 1);
-  const auto naive = estimate(*scene, {.spp = 256, .integrator = Integrator::kNaive}, 0);
+  const auto mis = estimate(plans, {.spp = 64, .integrator = Integrator::kMis}, 2);
+  const auto nee = estimate(plans, {.spp = 64, .integrator = Integrator::kNee}, 1);
+  const auto naive = estimate(plans, {.spp = 256, .integrator = Integrator::kNaive}, 0);
   const auto power =
-      estimate(*scene, {.spp = 64, .integrator = Integrator::kMis, .heuristic = Heuristic::kPower}, 3);
+      estimate(plans, {.spp = 64, .integrator = Integrator::kMis, .heuristic = Heuristic::kPower}, 3);
   expect_agreement(mis, nee, "mis and nee");
   expect_agreement(mis, naive, "mis and naive");
   expect_agreement(mis, power, "mis by the balance and by the power heuristic");
@@ -92,7 +93,8 @@ void expect_scenes_agree(SceneDescription a, SceneDescription b) {
   const auto scene_a = Scene::build(std::move(a), 2), scene_b = Scene::build(std::move(b), 2);
   ASSERT_TRUE(scene_a) << scene_a.error().message;
   ASSERT_TRUE(scene_b) << scene_b.error().message;
-  expect_agreement(estimate(*scene_a, {.spp = 64}, 0), estimate(*scene_b, {.spp = 64}, 1), "the two scenes");
+  RenderPlans plans_a(*scene_a), plans_b(*scene_b);
+  expect_agreement(estimate(plans_a, {.spp = 64}, 0), estimate(plans_b, {.spp = 64}, 1), "the two scenes");
 }
 
 }  // namespace tessera::test

@@ -4,18 +4,24 @@
 #include <vector>
 
 #include "core/integrators/render.hpp"
+#include "core/integrators/render_plan.hpp"
 
 namespace tessera::test {
 namespace {
 
-std::vector<double> render_batch(const core::Scene& scene, std::uint64_t seed) {
+core::RenderSettings settings_of(const core::Scene& scene) {
   core::RenderSettings settings = scene.settings();
   settings.width_px = kGoldenWidthPx;
   settings.height_px = kGoldenHeightPx;
   settings.spp = kGoldenSpp;
+  return settings;
+}
+
+std::vector<double> render_batch(const core::RenderPlan& plan, std::uint64_t seed) {
+  core::RenderSettings settings = plan.settings();
   settings.seed = seed;
-  const auto tile = core::render(core::prepare(scene, settings, 2), {0, 0, kGoldenWidthPx, kGoldenHeightPx},
-                                 {0, kGoldenSpp}, 2);
+  const auto tile =
+      core::render(plan.with(settings), {0, 0, kGoldenWidthPx, kGoldenHeightPx}, {0, kGoldenSpp}, 2);
   std::vector<double> radiance;
   for (const std::uint64_t sum : tile.sums)
     radiance.push_back(static_cast<double>(sum) * core::kFilmUnit / kGoldenSpp);
@@ -35,8 +41,9 @@ core::Image to_image(const std::vector<double>& values) {
 Golden render_golden(const core::Scene& scene, std::uint64_t first_seed, int batches) {
   const std::size_t count = std::size_t{3} * kGoldenWidthPx * kGoldenHeightPx;
   std::vector<double> mean(count), squares(count), variance(count);
+  const core::RenderPlan plan = core::prepare(scene, settings_of(scene), 2);
   for (int batch = 0; batch < batches; ++batch) {
-    const auto radiance = render_batch(scene, first_seed + static_cast<std::uint64_t>(batch));
+    const auto radiance = render_batch(plan, first_seed + static_cast<std::uint64_t>(batch));
     for (std::size_t i = 0; i < count; ++i) {  // Welford 1962
       const double before = radiance[i] - mean[i];
       mean[i] += before / (batch + 1);

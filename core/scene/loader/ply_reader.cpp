@@ -13,6 +13,7 @@
 #include "core/scene/loader/obj_reader.hpp"
 #include "core/scene/loader/ply_header.hpp"
 #include "core/scene/loader/ply_values.hpp"
+#include "core/scene/loader/ply_vertex_property.hpp"
 #include "core/scene/loader/polygon.hpp"
 #include "core/scene/loader/wording.hpp"
 
@@ -21,101 +22,6 @@ namespace {
 
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
-// Where a property of vertices goes.
-using StoreValue = void (*)(MeshDescription& mesh, std::size_t vertex, float value);
-
-enum class VertexData { kPosition, kNormal, kTangent, kHandedness, kUv, kSecondUv, kColor };
-
-struct KnownProperty {
-  std::string_view name;
-  VertexData data;
-  int component;
-  StoreValue store;
-};
-
-constexpr StoreValue kSetX = [](MeshDescription& m, std::size_t i, float v) { m.positions[i].x = v; };
-constexpr StoreValue kSetY = [](MeshDescription& m, std::size_t i, float v) { m.positions[i].y = v; };
-constexpr StoreValue kSetZ = [](MeshDescription& m, std::size_t i, float v) { m.positions[i].z = v; };
-constexpr StoreValue kSetNormalX = [](MeshDescription& m, std::size_t i, float v) { m.normals[i].x = v; };
-constexpr StoreValue kSetNormalY = [](MeshDescription& m, std::size_t i, float v) { m.normals[i].y = v; };
-constexpr StoreValue kSetNormalZ = [](MeshDescription& m, std::size_t i, float v) { m.normals[i].z = v; };
-constexpr StoreValue kSetTangentX = [](MeshDescription& m, std::size_t i, float v) {
-  m.tangents[i].direction.x = v;
-};
-constexpr StoreValue kSetTangentY = [](MeshDescription& m, std::size_t i, float v) {
-  m.tangents[i].direction.y = v;
-};
-constexpr StoreValue kSetTangentZ = [](MeshDescription& m, std::size_t i, float v) {
-  m.tangents[i].direction.z = v;
-};
-constexpr StoreValue kSetHandedness = [](MeshDescription& m, std::size_t i, float v) {
-  m.tangents[i].handedness = v;
-};
-constexpr StoreValue kSetU = [](MeshDescription& m, std::size_t i, float v) { m.uvs[i].x = v; };
-constexpr StoreValue kSetV = [](MeshDescription& m, std::size_t i, float v) { m.uvs[i].y = v; };
-constexpr StoreValue kSetSecondU = [](MeshDescription& m, std::size_t i, float v) { m.second_uvs[i].x = v; };
-constexpr StoreValue kSetSecondV = [](MeshDescription& m, std::size_t i, float v) { m.second_uvs[i].y = v; };
-constexpr StoreValue kSetRed = [](MeshDescription& m, std::size_t i, float v) { m.colors[i].r = v; };
-constexpr StoreValue kSetGreen = [](MeshDescription& m, std::size_t i, float v) { m.colors[i].g = v; };
-constexpr StoreValue kSetBlue = [](MeshDescription& m, std::size_t i, float v) { m.colors[i].b = v; };
-
-constexpr std::array<KnownProperty, 29> kKnownProperties{{
-    {"x", VertexData::kPosition, 0, kSetX},
-    {"y", VertexData::kPosition, 1, kSetY},
-    {"z", VertexData::kPosition, 2, kSetZ},
-    {"nx", VertexData::kNormal, 0, kSetNormalX},
-    {"ny", VertexData::kNormal, 1, kSetNormalY},
-    {"nz", VertexData::kNormal, 2, kSetNormalZ},
-    {"tx", VertexData::kTangent, 0, kSetTangentX},
-    {"ty", VertexData::kTangent, 1, kSetTangentY},
-    {"tz", VertexData::kTangent, 2, kSetTangentZ},
-    {"tw", VertexData::kHandedness, 0, kSetHandedness},
-    {"u", VertexData::kUv, 0, kSetU},
-    {"v", VertexData::kUv, 1, kSetV},
-    {"s", VertexData::kUv, 0, kSetU},
-    {"t", VertexData::kUv, 1, kSetV},
-    {"texture_u", VertexData::kUv, 0, kSetU},
-    {"texture_v", VertexData::kUv, 1, kSetV},
-    {"texture_s", VertexData::kUv, 0, kSetU},
-    {"texture_t", VertexData::kUv, 1, kSetV},
-    {"u1", VertexData::kSecondUv, 0, kSetSecondU},
-    {"v1", VertexData::kSecondUv, 1, kSetSecondV},
-    {"red", VertexData::kColor, 0, kSetRed},
-    {"green", VertexData::kColor, 1, kSetGreen},
-    {"blue", VertexData::kColor, 2, kSetBlue},
-    {"r", VertexData::kColor, 0, kSetRed},
-    {"g", VertexData::kColor, 1, kSetGreen},
-    {"b", VertexData::kColor, 2, kSetBlue},
-    {"diffuse_red", VertexData::kColor, 0, kSetRed},
-    {"diffuse_green", VertexData::kColor, 1, kSetGreen},
-    {"diffuse_blue", VertexData::kColor, 2, kSetBlue},
-}};
-
-const KnownProperty* known_property(const PlyProperty& property) {
-  const auto found = std::ranges::find(kKnownProperties, property.name, &KnownProperty::name);
-  return property.is_list || found == kKnownProperties.end() ? nullptr : &*found;
-}
-
-int components_of(VertexData data) {
-  if (data == VertexData::kHandedness) return 1;
-  return data == VertexData::kUv || data == VertexData::kSecondUv ? 2 : 3;
-}
-
-// Whether the element has all components of the data. Second texture coordinates count beside first ones, and
-// handedness beside tangents.
-bool has_data(const PlyElement& element, VertexData data) {
-  if (data == VertexData::kSecondUv && !has_data(element, VertexData::kUv)) return false;
-  if (data == VertexData::kHandedness && !has_data(element, VertexData::kTangent)) return false;
-  const int components = components_of(data);
-  for (int component = 0; component < components; ++component)
-    if (std::ranges::none_of(element.properties, [&](const PlyProperty& property) {
-          const KnownProperty* known = known_property(property);
-          return known != nullptr && known->data == data && known->component == component;
-        }))
-      return false;
-  return true;
-}
-
 bool is_index_list(const PlyProperty& property) {
   return property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
@@ -123,7 +29,7 @@ bool is_index_list(const PlyProperty& property) {
 // What is done with a property: it is stored in the mesh, kept as an attribute, or skipped.
 struct PlyColumn {
   PlyProperty property;
-  StoreValue store = nullptr;
+  StorePlyValue store = nullptr;
   std::optional<std::size_t> attribute{};
 };
 
@@ -244,7 +150,7 @@ std::vector<PlyColumn> PlyReader::vertex_columns(const PlyElement& element) {
   std::vector<PlyColumn> columns;
   for (const PlyProperty& property : element.properties) {
     PlyColumn column{property};
-    const KnownProperty* known = known_property(property);
+    const PlyVertexProperty* known = ply_vertex_property(property);
     if (known != nullptr && has_data(element, known->data)) {
       column.store = known->store;
     } else {
@@ -258,15 +164,15 @@ std::vector<PlyColumn> PlyReader::vertex_columns(const PlyElement& element) {
 
 Status PlyReader::read_vertices(const PlyElement& element) {
   if (has_vertices_) return broken("it has two elements 'vertex'");
-  if (!has_data(element, VertexData::kPosition)) return broken("its vertices have no x, y and z");
+  if (!has_data(element, PlyVertexData::kPosition)) return broken("its vertices have no x, y and z");
   has_vertices_ = true;
   MeshDescription& mesh = file_.mesh;
   mesh.positions.resize(element.count);
-  if (has_data(element, VertexData::kNormal)) mesh.normals.resize(element.count);
-  if (has_data(element, VertexData::kTangent)) mesh.tangents.resize(element.count);
-  if (has_data(element, VertexData::kUv)) mesh.uvs.resize(element.count);
-  if (has_data(element, VertexData::kSecondUv)) mesh.second_uvs.resize(element.count);
-  if (has_data(element, VertexData::kColor)) mesh.colors.resize(element.count);
+  if (has_data(element, PlyVertexData::kNormal)) mesh.normals.resize(element.count);
+  if (has_data(element, PlyVertexData::kTangent)) mesh.tangents.resize(element.count);
+  if (has_data(element, PlyVertexData::kUv)) mesh.uvs.resize(element.count);
+  if (has_data(element, PlyVertexData::kSecondUv)) mesh.second_uvs.resize(element.count);
+  if (has_data(element, PlyVertexData::kColor)) mesh.colors.resize(element.count);
   const std::vector<PlyColumn> columns = vertex_columns(element);
   if (values_.is_binary() && !element.has_lists()) {
     read_columns(columns, element.count, element.row_bytes());
@@ -310,8 +216,8 @@ void PlyReader::read_row(const std::vector<PlyColumn>& columns, std::size_t row)
 
 void PlyReader::settle_colors(const PlyElement& element) {
   const auto found = std::ranges::find_if(element.properties, [](const PlyProperty& property) {
-    const KnownProperty* known = known_property(property);
-    return known != nullptr && known->data == VertexData::kColor;
+    const PlyVertexProperty* known = ply_vertex_property(property);
+    return known != nullptr && known->data == PlyVertexData::kColor;
   });
   if (is_floating_point(found->type)) return;
   const double most = size_of(found->type) == 1 ? 255 : size_of(found->type) == 2 ? 65535 : 4294967295.0;

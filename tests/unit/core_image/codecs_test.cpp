@@ -15,7 +15,7 @@
 #include "tests/unit/core_image/image_files.hpp"
 #include "tests/unit/core_image/test_image.hpp"
 
-namespace tessera::core {
+namespace tessera::core::codecs_test {
 namespace {
 
 using namespace std::string_literals;
@@ -273,4 +273,4 @@ TEST(Codecs, DamagedFilesAreSurvived) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::codecs_test

@@ -8,7 +8,7 @@
 
 #include "core/image/codecs.hpp"
 
-namespace tessera::core {
+namespace tessera::core::hdr_codec_test {
 namespace {
 
 using namespace std::string_literals;
@@ -139,4 +139,4 @@ TEST(HdrCodec, WarnsOfWhatIsIgnored) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::hdr_codec_test

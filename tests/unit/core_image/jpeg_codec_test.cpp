@@ -9,7 +9,7 @@
 #include "core/image/codecs.hpp"
 #include "tests/unit/core_image/image_files.hpp"
 
-namespace tessera::core {
+namespace tessera::core::jpeg_codec_test {
 namespace {
 
 using namespace std::string_literals;
@@ -144,4 +144,4 @@ TEST(JpegCodec, GivesTheSameBytesWithAndWithoutSimd) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::jpeg_codec_test

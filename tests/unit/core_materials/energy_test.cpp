@@ -47,7 +47,7 @@ double ggx_albedo(double roughness, double cos_o) {
   const auto lambda = [&](double cos_w) {
     return (std::sqrt(1 + alpha * alpha * (1 / (cos_w * cos_w) - 1)) - 1) / 2;
   };
-  constexpr int kSteps = 500;
+  constexpr int kSteps = 200;
   double sum = 0;
   for (int i = 0; i < kSteps; ++i)
     for (int j = 0; j < kSteps; ++j) {

@@ -6,7 +6,7 @@
 #include "core/scene/validation.hpp"
 #include "tests/unit/core_scene/memory_assets.hpp"
 
-namespace tessera::core {
+namespace tessera::core::curves_reading_test {
 namespace {
 
 using test::MemoryAssets;
@@ -102,4 +102,4 @@ TEST(CurvesReading, RefusesLight) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::curves_reading_test

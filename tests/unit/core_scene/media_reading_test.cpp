@@ -12,7 +12,7 @@
 #include "core/scene/validation.hpp"
 #include "tests/unit/core_scene/memory_assets.hpp"
 
-namespace tessera::core {
+namespace tessera::core::media_reading_test {
 namespace {
 
 using testing::HasSubstr;
@@ -120,4 +120,4 @@ TEST(VolumeReader, ReadsChannelsAndRefusesDamage) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::media_reading_test

@@ -2,8 +2,10 @@
 #include "tests/unit/core_scene/memory_assets.hpp"
 
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include <array>
+#include <utility>
 
 #include "core/image/encode.hpp"
 
@@ -23,6 +25,12 @@ Result<SceneDescription> load(const std::string& scene, const MemoryAssets::File
   all.emplace("gray.png", png(one_color(2, 2, Rgb::gray(0.5f))));
   MemoryAssets assets(std::move(all));
   return load_scene(assets, "scene.json", "scene.json");
+}
+
+SceneDescription load_valid(const std::string& scene, const MemoryAssets::Files& files) {
+  auto loaded = load(scene, files);
+  EXPECT_TRUE(loaded.has_value()) << loaded.error().message;
+  return loaded ? std::move(*loaded) : SceneDescription{};
 }
 
 std::string mistakes_in(const std::string& scene, const MemoryAssets::Files& files) {

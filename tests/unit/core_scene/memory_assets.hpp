@@ -35,6 +35,9 @@ inline constexpr const char* kTriangleObj =
 // gray.png.
 Result<SceneDescription> load(const std::string& scene, const MemoryAssets::Files& files = {});
 
+// load() of a scene without mistakes.
+SceneDescription load_valid(const std::string& scene, const MemoryAssets::Files& files = {});
+
 // The error's message of load(), or "no mistake".
 std::string mistakes_in(const std::string& scene, const MemoryAssets::Files& files = {});
 

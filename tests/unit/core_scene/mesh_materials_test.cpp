@@ -4,17 +4,12 @@
 
 #include "tests/unit/core_scene/memory_assets.hpp"
 
-namespace tessera::core {
+namespace tessera::core::mesh_materials_test {
 namespace {
 
+using test::load_valid;
 using test::MemoryAssets;
 using test::scene_with;
-
-SceneDescription load(const std::string& scene, const MemoryAssets::Files& files = {}) {
-  auto loaded = test::load(scene, files);
-  EXPECT_TRUE(loaded.has_value()) << loaded.error().message;
-  return loaded ? std::move(*loaded) : SceneDescription{};
-}
 
 const std::string kTwoMaterialsObj =
     "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl red\nf 1 2 3\nusemtl wood\nf 1 3 2\nusemtl "
@@ -26,7 +21,7 @@ TEST(MeshMaterials, TakesMaterialsFromMtlFiles) {
       {"models/a.mtl", "newmtl wood\nmap_Kd maps/wood.png\nnewmtl red\nKd 1 0 0\nKe 5 5 5\n"},
       {"models/maps/wood.png", test::png(test::one_color(1, 1, Rgb::gray(1)))}};
   const std::string shape = "{\"type\": \"mesh\", \"file\": \"models/a.obj\"}";
-  const SceneDescription scene = load(scene_with("", "", shape + "," + shape), files);
+  const SceneDescription scene = load_valid(scene_with("", "", shape + "," + shape), files);
   ASSERT_EQ(scene.materials.size(), 3u);  // not twice for two shapes
   EXPECT_EQ(scene.materials[1].name, "models/a.mtl: red");
   EXPECT_EQ(scene.materials[1].emission.value, Rgb::gray(5));
@@ -39,14 +34,14 @@ TEST(MeshMaterials, TakesMaterialsFromMtlFiles) {
 
 TEST(MeshMaterials, PrefersTheMaterialOfTheShapeAndThenNeedsNoMtlFile) {
   const SceneDescription scene =
-      load(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\", \"material\": \"light\"}"),
-           {{"a.obj", kTwoMaterialsObj}});
+      load_valid(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\", \"material\": \"light\"}"),
+                 {{"a.obj", kTwoMaterialsObj}});
   EXPECT_EQ(std::get<MeshDescription>(scene.shapes[0]).triangle_materials, (std::vector<std::uint32_t>{0}));
 }
 
 TEST(MeshMaterials, TakesACommentForPartOfANameOnlyWhereThatNameExists) {
   const auto material_of = [](const std::string& usemtl, const std::string& mtl) {
-    const SceneDescription scene = load(
+    const SceneDescription scene = load_valid(
         scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"),
         {{"a.obj", "mtllib a.mtl # materials\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl " + usemtl + "\nf 1 2 3\n"},
          {"a.mtl", mtl}});
@@ -63,9 +58,9 @@ TEST(MeshMaterials, TakesACommentForPartOfANameOnlyWhereThatNameExists) {
 
 TEST(MeshMaterials, PutsMapsOnTheMattPartOfMaterialsWithHighlights) {
   const SceneDescription scene =
-      load(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"),
-           {{"a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n"},
-            {"a.mtl", "newmtl m\nillum 2\nNs 50\nKs 0.25\nmap_Kd gray.png\n"}});
+      load_valid(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"),
+                 {{"a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n"},
+                  {"a.mtl", "newmtl m\nillum 2\nNs 50\nKs 0.25\nmap_Kd gray.png\n"}});
   const auto& mesh = std::get<MeshDescription>(scene.shapes[0]);
   const auto& model = std::get<CookTorrance>(scene.materials[mesh.triangle_materials[0]].model);
   EXPECT_EQ(model.diffuse.texture, 0);
@@ -75,7 +70,7 @@ TEST(MeshMaterials, PutsMapsOnTheMattPartOfMaterialsWithHighlights) {
 SceneDescription with_material(const std::string& mtl, MemoryAssets::Files files = {}) {
   files.emplace("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
   files.emplace("a.mtl", "newmtl m\n" + mtl);
-  return load(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"), files);
+  return load_valid(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"), files);
 }
 
 TEST(MeshMaterials, KeepsTheTexelsOfPhysicallyBasedMaps) {
@@ -150,13 +145,13 @@ TEST(MeshMaterials, FindsMapsWhoseNamesHaveSpacesAndMarks) {
 
 TEST(MeshMaterials, TakesSeveralLibrariesFromOneLine) {
   const SceneDescription scene =
-      load(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"),
-           {{"a.obj", "mtllib one.mtl two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl b\nf 1 2 3\n"},
-            {"one.mtl", "newmtl a\nKd 1 0 0\n"},
-            {"two.mtl", "newmtl b\nKd 0 1 0\n"}});
+      load_valid(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"),
+                 {{"a.obj", "mtllib one.mtl two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl b\nf 1 2 3\n"},
+                  {"one.mtl", "newmtl a\nKd 1 0 0\n"},
+                  {"two.mtl", "newmtl b\nKd 0 1 0\n"}});
   const auto& mesh = std::get<MeshDescription>(scene.shapes[0]);
   EXPECT_EQ(scene.materials[mesh.triangle_materials[0]].name, "two.mtl: b");
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::mesh_materials_test

@@ -9,7 +9,7 @@
 
 #include "core/materials/fresnel.hpp"
 
-namespace tessera::core {
+namespace tessera::core::mtl_material_test {
 namespace {
 
 constexpr MtlTextures kNone{};
@@ -257,4 +257,4 @@ TEST(MtlMaterials, ReflectTheirSpecularMap) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::mtl_material_test

@@ -6,7 +6,7 @@
 
 #include "core/scene/loader/mtl_map.hpp"
 
-namespace tessera::core {
+namespace tessera::core::mtl_test {
 namespace {
 
 using Strings = std::vector<std::string>;
@@ -186,4 +186,4 @@ TEST(MtlReader, PassesOverOptionsOfMapsThatItDoesNotUnderstand) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::mtl_test

@@ -7,7 +7,7 @@
 #include "core/scene/loader/obj_scanner.hpp"
 #include "core/scene/loader/text_lines.hpp"
 
-namespace tessera::core {
+namespace tessera::core::obj_test {
 namespace {
 
 std::string obj_error(std::string_view text) {
@@ -357,4 +357,4 @@ TEST(Obj, IsRefusedWhenCutBeforeItsFaces) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::obj_test

@@ -10,7 +10,7 @@
 #include "tests/support/bundle_files.hpp"
 #include "tests/unit/core_scene/memory_assets.hpp"
 
-namespace tessera::core {
+namespace tessera::core::other_programs_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -225,4 +225,4 @@ TEST_F(OtherProgramsInFolder, TheCaseThatIsWrittenComesFirst) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::other_programs_test

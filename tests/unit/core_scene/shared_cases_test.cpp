@@ -17,7 +17,7 @@
 #include "core/scene/loader/loader.hpp"
 #include "core/scene/validation.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shared_cases_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -333,4 +333,4 @@ TEST_F(SharedCase, WindingIsKeptWhateverTheNormals) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::shared_cases_test

@@ -8,7 +8,7 @@
 #include "core/scene/loader/obj_reader.hpp"
 #include "tests/unit/core_scene/memory_assets.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shared_data_test {
 namespace {
 
 constexpr const char* kSharedFolder = TESSERA_SOURCE_DIR "/../shared/data/";
@@ -77,4 +77,4 @@ TEST_F(SharedData, ACutBunnyIsRefused) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::shared_data_test
