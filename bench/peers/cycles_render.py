@@ -37,6 +37,7 @@ def settings():
     cycles.film_exposure = 1
     for kind in ("max", "diffuse", "glossy", "transmission", "transparent_max"):
         setattr(cycles, kind + "_bounces", 1024)
+    scene.cycles_curves.shape = "THICK"
     return cycles
 
 

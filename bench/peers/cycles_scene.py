@@ -1,23 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes a Tessera scene file's scene in Blender, for Cycles: the same meshes, materials, lamps, sky and camera.
+"""Makes a Tessera scene file's scene in Blender, for Cycles: the same shapes, materials, lights and camera.
 
 Runs inside Blender (3.4). Coordinates stay as they are, y up. What has no counterpart here is refused with a
-sentence. What differs: spheres become icospheres of 81,920 triangles with interpolated normals; cook_torrance becomes
-diffuse plus Principled metal, whose masking is separable and whose Fresnel term has the curve of a dielectric.
+sentence. docs/notebook/peers.md lists what differs.
 """
 
 import json
 import math
 import os
 import re
+from dataclasses import dataclass
+from typing import Any, Callable, Optional
 
 import bmesh
 import bpy
-from mathutils import Matrix, Vector
+from mathutils import Matrix, Quaternion, Vector
 
+from cycles_curves import curves_parts
+from cycles_materials import CannotConvert, MaterialBuilder, refuse_unknown, rgb
+from images import read_pfm
 
-class CannotConvert(Exception):
-    pass
+# Spheres are icospheres: of 81,920 triangles, but of 320 where there are many.
+FEW_SPHERES = 32
+FINE, COARSE = 7, 3
 
 
 def read_scene(path):
@@ -28,160 +33,37 @@ def read_scene(path):
     return json.loads(re.sub(pattern, lambda m: m[0] if m[0][0] == '"' else " ", text, flags=re.S))
 
 
-def rgb(value):
-    return tuple(value) if isinstance(value, list) else (value,) * 3
+@dataclass
+class Part:
+    """What an object of Blender shows: its data, where that is in the shape, and what else the object needs."""
+
+    data: Any
+    place: Matrix
+    modify: Optional[Callable] = None
 
 
-def refuse_unknown(what, given, known):
-    unknown = set(given) - set(known)
-    if unknown:
-        raise CannotConvert(f"{what} has '{sorted(unknown)[0]}', which is not converted for Cycles")
+def step_matrix(step):
+    (kind, value), = step.items()
+    if kind == "translate":
+        return Matrix.Translation(Vector(value))
+    if kind == "scale":
+        return Matrix.Diagonal((*rgb(value), 1))
+    if kind == "rotate" and "quaternion" in value:
+        return Quaternion(value["quaternion"]).to_matrix().to_4x4()
+    if kind == "rotate":
+        return Matrix.Rotation(math.radians(value["degrees"]), 4, Vector(value["axis"]))
+    return Matrix((*value, (0, 0, 0, 1)))
 
 
-class MaterialBuilder:
-    """One material's node tree."""
+def transform_matrix(d):
+    product = Matrix.Identity(4)
+    for step in d.get("transform", ()):
+        product = step_matrix(step) @ product
+    return product
 
-    def __init__(self, scene, name):
-        self.scene = scene
-        self.material = bpy.data.materials.new(name)
-        self.material.use_nodes = True
-        self.tree = self.material.node_tree
-        self.tree.nodes.clear()
 
-    def node(self, kind, **properties):
-        node = self.tree.nodes.new(kind)
-        for key, value in properties.items():
-            setattr(node, key, value)
-        return node
-
-    def feed(self, socket, value):
-        """`value` is a number, a triple or the output of another node."""
-        if isinstance(value, bpy.types.NodeSocket):
-            self.tree.links.new(value, socket)
-        elif isinstance(value, tuple):
-            socket.default_value = (*value, 1)
-        else:
-            socket.default_value = value
-
-    def shader(self, kind, inputs, **properties):
-        node = self.node(kind, **properties)
-        for name, value in inputs.items():
-            self.feed(node.inputs[name], value)
-        return node.outputs[0]
-
-    def texture(self, name, linear=False):
-        description = self.scene.description["textures"][name]
-        refuse_unknown(f"texture '{name}'", description, {"file", "color_space", "wrap", "scale"})
-        image = self.node("ShaderNodeTexImage", interpolation="Linear")
-        image.extension = "EXTEND" if description.get("wrap") == "clamp" else "REPEAT"
-        image.image = bpy.data.images.load(self.scene.path_of(description["file"]), check_existing=True)
-        linear = linear or description.get("color_space") == "linear" or image.image.is_float
-        image.image.colorspace_settings.name = "Non-Color" if linear else "sRGB"
-        image.texture_mapping.scale = (*description.get("scale", (1, 1)), 1)
-        return image.outputs["Color"]
-
-    def color(self, value):
-        """A share of light: a number, a triple, or a texture times a tint."""
-        if not isinstance(value, dict):
-            return rgb(value)
-        texture, tint = self.texture(value["texture"]), rgb(value.get("tint", 1))
-        if tint == (1, 1, 1):
-            return texture
-        product = self.node("ShaderNodeVectorMath", operation="MULTIPLY")
-        self.tree.links.new(texture, product.inputs[0])
-        product.inputs[1].default_value = tint
-        return product.outputs[0]
-
-    def normal(self, description):
-        """What to feed the Normal sockets with."""
-        bend = description.get("normal_map")
-        if not bend:
-            return {}
-        if bend.get("strength", 1) != 1:
-            raise CannotConvert("a normal map's 'strength' is not converted for Cycles")
-        node = self.node("ShaderNodeNormalMap", space="TANGENT")
-        self.feed(node.inputs["Color"], self.texture(bend["texture"], linear=True))
-        return {"Normal": node.outputs[0]}
-
-    def add(self, first, second):
-        node = self.node("ShaderNodeAddShader")
-        self.tree.links.new(first, node.inputs[0])
-        self.tree.links.new(second, node.inputs[1])
-        return node.outputs[0]
-
-    def mix(self, share_of_second, first, second):
-        node = self.node("ShaderNodeMixShader")
-        self.feed(node.inputs[0], share_of_second)
-        if first:
-            self.tree.links.new(first, node.inputs[1])
-        self.tree.links.new(second, node.inputs[2])
-        return node.outputs[0]
-
-    def lambert(self, d):
-        albedo = self.color(d.get("albedo", 0.5))
-        if albedo == (0, 0, 0):
-            return None
-        return self.shader("ShaderNodeBsdfDiffuse", {"Color": albedo, **self.normal(d)})
-
-    def mirror(self, d):
-        color = self.color(d.get("reflectance", 1))
-        return self.shader("ShaderNodeBsdfGlossy", {"Color": color, **self.normal(d)}, distribution="SHARP")
-
-    def glass(self, d):
-        if d.get("roughness", 0) != 0 or d.get("fresnel", "exact") != "exact":
-            raise CannotConvert("only smooth glass with exact Fresnel is converted for Cycles")
-        reflectance = self.color(d.get("reflectance", 1))
-        transmittance = self.color(d.get("transmittance", 1))
-        ior = d.get("ior", 1.5)
-        if reflectance == transmittance:
-            return self.shader("ShaderNodeBsdfGlass", {"Color": reflectance, "IOR": ior}, distribution="SHARP")
-        refracted = self.shader("ShaderNodeBsdfRefraction", {"Color": transmittance, "IOR": ior}, distribution="SHARP")
-        reflected = self.shader("ShaderNodeBsdfGlossy", {"Color": reflectance}, distribution="SHARP")
-        return self.mix(self.shader("ShaderNodeFresnel", {"IOR": ior}), refracted, reflected)
-
-    def cook_torrance(self, d):
-        share = self.color(d.get("specular", 1))
-        if "conductor" in d or not isinstance(share, tuple) or len(set(share)) != 1:
-            raise CannotConvert("of cook_torrance only gray 'specular' with 'f0' is converted for Cycles")
-        normal = self.normal(d)
-        # Reflectance rises towards grazing angles as that of a dielectric does, whose index "Specular" gives. At 1.3, and
-        # 0.0035 lower, it stays within 6 % of Schlick's curve for f0 = 0.05, up to 66 degrees.
-        f0 = tuple(c - 0.0035 * (1 - c) for c in self.color(d.get("f0", 0.04)))
-        facets = {"Base Color": f0, "Metallic": 1.0, "Specular": 0.213, "Roughness": d.get("roughness", 0.3)}
-        metal = self.shader("ShaderNodeBsdfPrincipled", {**facets, **normal}, distribution="GGX")
-        metal = self.mix(share[0], None, metal)
-        diffuse = self.color(d.get("diffuse", 0))
-        if diffuse == (0, 0, 0):
-            return metal
-        return self.add(self.shader("ShaderNodeBsdfDiffuse", {"Color": diffuse, **normal}), metal)
-
-    def emission(self, d):
-        color = rgb(d["emission"]) if not isinstance(d["emission"], dict) else None
-        if color is None:
-            raise CannotConvert("textured emission is not converted for Cycles")
-        strength = max(color)
-        inputs = {"Color": tuple(c / strength for c in color), "Strength": strength}
-        if d.get("emission_sides", "both") == "front":
-            front = self.node("ShaderNodeMath", operation="MULTIPLY_ADD")
-            self.tree.links.new(self.node("ShaderNodeNewGeometry").outputs["Backfacing"], front.inputs[0])
-            front.inputs[1].default_value = -strength
-            front.inputs[2].default_value = strength
-            inputs["Strength"] = front.outputs[0]
-        return self.shader("ShaderNodeEmission", inputs)
-
-    def build(self, d):
-        makers = {"lambert": self.lambert, "mirror": self.mirror, "glass": self.glass,
-                  "cook_torrance": self.cook_torrance}
-        if d["type"] not in makers:
-            raise CannotConvert(f"material type '{d['type']}' is not converted for Cycles")
-        surface = makers[d["type"]](d)
-        if "emission" in d:
-            emission = self.emission(d)
-            surface = self.add(surface, emission) if surface else emission
-        if surface:
-            output = self.node("ShaderNodeOutputMaterial")
-            self.tree.links.new(surface, output.inputs["Surface"])
-        return self.material
+def shade(mesh, smooth):
+    mesh.polygons.foreach_set("use_smooth", [smooth] * len(mesh.polygons))
 
 
 class SceneBuilder:
@@ -189,48 +71,66 @@ class SceneBuilder:
         self.folder = os.path.dirname(os.path.abspath(path))
         self.description = read_scene(path)
         self.materials = {}
-        known = {"$schema", "render", "output", "camera", "textures", "materials", "environment", "shapes"}
+        self.parts = {}  # of shapes, by their place in memory and material: instances share them
+        known = {"$schema", "render", "output", "camera", "textures", "materials", "media", "environment", "lights",
+                 "objects", "shapes"}
         refuse_unknown("the scene", self.description, known)
-        self.largest_lamp = max((d["radius"] for d in self.description["shapes"]
-                                 if d["type"] == "sphere" and self.lamp_radiance(d)), default=0)
+        spheres = [d for d in self.description["shapes"] if d["type"] == "sphere"]
+        self.fineness = FINE if len(spheres) <= FEW_SPHERES else COARSE
+        self.largest_lamp = max((d["radius"] for d in spheres if self.lamp_radiance(d)), default=0)
 
     def path_of(self, file):
         return os.path.join(self.folder, file)
+
+    def image(self, file, linear=False):
+        if file.endswith(".pfm"):
+            return self.pfm_image(file)
+        image = bpy.data.images.load(self.path_of(file), check_existing=True)
+        image.colorspace_settings.name = "Non-Color" if linear or image.is_float else "sRGB"
+        return image
+
+    def pfm_image(self, file):
+        """Blender does not read PFM files."""
+        width, height, values = read_pfm(self.path_of(file))
+        image = bpy.data.images.new(file, width, height, float_buffer=True, is_data=True)
+        image.pixels.foreach_set([value for i in range(0, len(values), 3) for value in (*values[i : i + 3], 1.0)])
+        image.pack()
+        return image
 
     def material(self, name):
         if name not in self.materials:
             self.materials[name] = MaterialBuilder(self, name).build(self.description["materials"][name])
         return self.materials[name]
 
-    def link(self, mesh, material):
+    def mesh_part(self, mesh, material, place=Matrix.Identity(4)):
         mesh.materials.clear()
         mesh.materials.append(self.material(material))
-        bpy.context.collection.objects.link(bpy.data.objects.new(mesh.name, mesh))
+        return Part(mesh, place)
 
     def quad(self, d):
         radiance = self.lamp_radiance(d)
         if radiance and self.description["materials"][d["material"]].get("emission_sides") == "front":
-            return self.quad_lamp(d, radiance)
+            return [self.quad_lamp(d, radiance)]
         corner, u, v = (Vector(d[key]) for key in ("corner", "edge_u", "edge_v"))
         mesh = bpy.data.meshes.new("quad")
         mesh.from_pydata([corner, corner + u, corner + u + v, corner + v], [], [(0, 1, 2, 3)])
         layer = mesh.uv_layers.new()
         for loop, uv in zip(layer.data, ((0, 0), (1, 0), (1, 1), (0, 1))):
             loop.uv = uv
-        self.link(mesh, d["material"])
+        return [self.mesh_part(mesh, d["material"])]
 
     def sphere(self, d):
         radiance = self.lamp_radiance(d)
         if radiance and d["radius"] < self.largest_lamp / 3:
-            return self.sphere_lamp(d, radiance)
+            return [self.sphere_lamp(d, radiance)]
         builder = bmesh.new()
         place = Matrix.Translation(Vector(d.get("center", (0, 0, 0))))
-        bmesh.ops.create_icosphere(builder, subdivisions=7, radius=d["radius"], matrix=place)
+        bmesh.ops.create_icosphere(builder, subdivisions=self.fineness, radius=d["radius"], matrix=place)
         mesh = bpy.data.meshes.new("sphere")
         builder.to_mesh(mesh)
         builder.free()
         shade(mesh, smooth=True)
-        self.link(mesh, d["material"])
+        return [self.mesh_part(mesh, d["material"])]
 
     def lamp_radiance(self, d):
         """The radiance of a shape that only emits, or None: Cycles has lamps of its own for those."""
@@ -239,41 +139,36 @@ class SceneBuilder:
             return None
         return None if isinstance(material["emission"], dict) else rgb(material["emission"])
 
-    def lamp(self, kind, radiance, watts_at_radiance_1, place):
-        data = bpy.data.lights.new("lamp", kind)
-        strength = max(radiance)
-        data.color, data.energy = [c / strength for c in radiance], watts_at_radiance_1 * strength
-        lamp = bpy.data.objects.new("lamp", data)
-        lamp.matrix_world = place
-        lamp.visible_camera = True
-        bpy.context.collection.objects.link(lamp)
-        return data
-
     def sphere_lamp(self, d, radiance):
-        power = 4 * math.pi**2 * d["radius"] ** 2
-        lamp = self.lamp("POINT", radiance, power, Matrix.Translation(Vector(d.get("center", (0, 0, 0)))))
+        watts = 4 * math.pi**2 * d["radius"] ** 2
+        lamp = lamp_data("POINT", radiance, watts)
         lamp.shadow_soft_size = d["radius"]
+        return Part(lamp, Matrix.Translation(Vector(d.get("center", (0, 0, 0)))))
 
     def quad_lamp(self, d, radiance):
         corner, u, v = (Vector(d[key]) for key in ("corner", "edge_u", "edge_v"))
         axes = Matrix((u.normalized(), -v.normalized(), -u.cross(v).normalized())).transposed().to_4x4()
-        power = 4 * u.length * v.length
-        lamp = self.lamp("AREA", radiance, power, Matrix.Translation(corner + (u + v) / 2) @ axes)
+        lamp = lamp_data("AREA", radiance, 4 * u.length * v.length)
         lamp.shape, lamp.size, lamp.size_y = "RECTANGLE", u.length, v.length
+        return Part(lamp, Matrix.Translation(corner + (u + v) / 2) @ axes)
 
     def mesh(self, d):
+        refuse_unknown("a mesh", d, {"name", "type", "file", "material", "normals", "transform"})
+        if not d["file"].endswith(".obj"):
+            raise CannotConvert(f"the mesh {d['file']} is not converted for Cycles, since it is no OBJ file")
         before = set(bpy.data.objects)
         bpy.ops.wm.obj_import(filepath=self.path_of(d["file"]), forward_axis="Y", up_axis="Z", validate_meshes=False)
+        parts = []
         for imported in set(bpy.data.objects) - before:
-            if d.get("normals", "file") != "file":
-                imported.data.use_auto_smooth = False
-                imported.data.free_normals_split()
-                shade(imported.data, smooth=d["normals"] == "smooth")
+            mesh = imported.data
+            bpy.data.objects.remove(imported)
+            set_normals(mesh, d.get("normals", "file"))
             if "material" in d:
-                imported.data.materials.clear()
-                imported.data.materials.append(self.material(d["material"]))
+                parts.append(self.mesh_part(mesh, d["material"]))
             else:
-                self.use_diffuse_of_mtl(imported.data)
+                self.use_diffuse_of_mtl(mesh)
+                parts.append(Part(mesh, Matrix.Identity(4)))
+        return parts
 
     def use_diffuse_of_mtl(self, mesh):
         """Of MTL files only the diffuse colour, Kd, is converted."""
@@ -281,6 +176,50 @@ class SceneBuilder:
             color = list(imported.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value)[:3]
             name = f"{imported.name} of the MTL file"
             mesh.materials[slot] = MaterialBuilder(self, name).build({"type": "lambert", "albedo": color})
+
+    def curves(self, d):
+        data, modify = curves_parts(d, self.folder, self.material(d["material"]))
+        return [Part(data, Matrix.Identity(4), modify)]
+
+    def parts_of(self, d, material):
+        """The parts of a shape, made once for each material that it has."""
+        key = (id(d), material)
+        if key not in self.parts:
+            if d["type"] not in SHAPES:
+                raise CannotConvert(f"a shape of the type '{d['type']}' is not converted for Cycles")
+            self.parts[key] = SHAPES[d["type"]](self, d | {"material": material} if material else d)
+        return self.parts[key]
+
+    def place(self, d, outside=Matrix.Identity(4), material=None):
+        """Adds a shape, or what an instance shows; `material` is that of the outermost instance that has one."""
+        place = outside @ transform_matrix(d)
+        if d["type"] == "instance":
+            for inner in self.description["objects"][d["object"]]["shapes"]:
+                self.place(inner, place, material or d.get("material"))
+            return
+        for part in self.parts_of(d, material):
+            self.link(part, place)
+
+    def link(self, part, place):
+        thing = bpy.data.objects.new(part.data.name, part.data)
+        thing.matrix_world = place @ part.place
+        thing.visible_camera = True
+        if part.modify:
+            part.modify(thing)
+        bpy.context.collection.objects.link(thing)
+
+    def light(self, d):
+        if d["type"] == "directional":
+            refuse_unknown("a directional light", d, {"type", "direction", "irradiance"})
+            sun = lamp_data("SUN", rgb(d["irradiance"]), 1)
+            sun.angle = 0
+            return Part(sun, Vector(d["direction"]).to_track_quat("-Z", "Y").to_matrix().to_4x4())
+        if d["type"] == "point":
+            refuse_unknown("a point light", d, {"type", "position", "intensity"})
+            point = lamp_data("POINT", rgb(d["intensity"]), 4 * math.pi)
+            point.shadow_soft_size = 0
+            return Part(point, Matrix.Translation(Vector(d["position"])))
+        raise CannotConvert(f"a light of the type '{d['type']}' is not converted for Cycles")
 
     def environment(self):
         d = self.description.get("environment")
@@ -291,6 +230,7 @@ class SceneBuilder:
         background.inputs["Color"].default_value = (0, 0, 0, 1)
         if d is None:
             return
+        refuse_unknown("the environment", d, {"texture", "radiance", "rotation_degrees"})
         radiance = rgb(d.get("radiance", 1))
         if "texture" not in d:
             background.inputs["Color"].default_value = (*radiance, 1)
@@ -299,7 +239,7 @@ class SceneBuilder:
             raise CannotConvert("a coloured 'radiance' beside a texture is not converted for Cycles")
         background.inputs["Strength"].default_value = radiance[0]
         sky = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
-        sky.image = bpy.data.images.load(self.path_of(self.description["textures"][d["texture"]]["file"]))
+        sky.image = self.image(self.description["textures"][d["texture"]]["file"])
         # Ours looks along -z in the image's middle, right of it along +x, up along +y; Blender's along +x, -y, +z.
         turn = Matrix.Rotation(math.radians(-d.get("rotation_degrees", 0)), 3, "Y")
         axes = Matrix(((0, 0, -1), (-1, 0, 0), (0, 1, 0)))
@@ -316,7 +256,7 @@ class SceneBuilder:
         up = right.cross(forward)
         data = bpy.data.cameras.new("camera")
         data.sensor_fit = "VERTICAL"
-        data.sensor_height = 1000  # millimetres; large, since the f-number of a small one would be below Blender's least
+        data.sensor_height = 1000  # millimetres; that of a small one would need an f-number below Blender's least
         data.lens = data.sensor_height / 2 / math.tan(math.radians(d.get("vertical_fov_degrees", 40)) / 2)
         distance = (look_at - position).length
         data.clip_start, data.clip_end = distance * 1e-4, distance * 1e4
@@ -335,14 +275,32 @@ class SceneBuilder:
     def build(self, width, height):
         for thing in list(bpy.data.objects):
             bpy.data.objects.remove(thing)
-        makers = {"quad": self.quad, "sphere": self.sphere, "mesh": self.mesh}
         for d in self.description["shapes"]:
-            if d["type"] not in makers or "transform" in d:
-                raise CannotConvert(f"a shape of type '{d['type']}' (or its transform) is not converted for Cycles")
-            makers[d["type"]](d)
+            self.place(d)
+        for d in self.description.get("lights", ()):
+            self.link(self.light(d), Matrix.Identity(4))
         self.environment()
         self.camera(width, height)
 
 
-def shade(mesh, smooth):
-    mesh.polygons.foreach_set("use_smooth", [smooth] * len(mesh.polygons))
+SHAPES = {"quad": SceneBuilder.quad, "sphere": SceneBuilder.sphere, "mesh": SceneBuilder.mesh,
+          "curves": SceneBuilder.curves}
+
+
+def lamp_data(kind, color, watts_at_1):
+    """A lamp of Blender whose strength at the colour 1 is given; the largest channel goes into the strength."""
+    data = bpy.data.lights.new("lamp", kind)
+    strength = max(color)
+    data.color, data.energy = [c / strength for c in color], watts_at_1 * strength
+    return data
+
+
+def set_normals(mesh, normals):
+    if normals == "file":
+        if not mesh.has_custom_normals:
+            shade(mesh, smooth=True)
+            mesh.use_auto_smooth, mesh.auto_smooth_angle = True, math.radians(40)
+        return
+    mesh.use_auto_smooth = False
+    mesh.free_normals_split()
+    shade(mesh, smooth=normals == "smooth")

@@ -15,13 +15,11 @@ import json
 import math
 import os
 import random
-import struct
 import subprocess
 import sys
 import tempfile
-import zlib
 
-from images import read_pfm
+from images import read_pfm, write_png
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
@@ -88,21 +86,15 @@ def write_normal_map(path, slope, side=256):
     """Normals of one slope that lean all ways, a different one in each texel."""
     chance = random.Random(1)
     length = math.hypot(slope, 1)
-    rows = b""
+    rows = []
     for _ in range(side):
-        row = b"\0"
+        row = b""
         for _ in range(side):
             phi = chance.uniform(0, 2 * math.pi)
             normal = (slope * math.cos(phi) / length, slope * math.sin(phi) / length, 1 / length)
             row += bytes(round(127.5 * (c + 1)) for c in normal)
-        rows += row
-
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    header = struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)
-    with open(path, "wb") as file:
-        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+        rows.append(row)
+    write_png(path, side, side, rows)
 
 
 def scene(camera, materials, shapes, sky=1, **more):

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The noise of images that differ in their seed alone, and how well two renderers agree. Plain Python; PFM files."""
+"""The noise of images that differ in their seed alone, and how well two renderers agree. Plain Python; PFM and PNG
+files."""
 
 import array
+import struct
 import sys
+import zlib
 
 
 def read_pfm(path):
@@ -17,6 +20,32 @@ def read_pfm(path):
     if little_endian != (sys.byteorder == "little"):
         values.byteswap()
     return width, height, values
+
+
+def write_png(path, width, height, rows):
+    """Rows of three bytes a pixel, from the top."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    pixels = b"".join(b"\0" + row for row in rows)
+    with open(path, "wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)))
+        file.write(chunk(b"IDAT", zlib.compress(pixels, 1)) + chunk(b"IEND", b""))
+
+
+def write_side_by_side(path, first, second, width, height):
+    """Both images in one PNG file, equally exposed: a tenth of the values of the first is white."""
+    white = sorted(first)[len(first) * 9 // 10] or 1.0
+
+    def encoded(value):
+        share = min(max(value / white, 0.0), 1.0)
+        return round(255 * (12.92 * share if share <= 0.0031308 else 1.055 * share ** (1 / 2.4) - 0.055))
+
+    rows = []
+    for y in reversed(range(height)):
+        line = slice(3 * y * width, 3 * (y + 1) * width)
+        rows.append(bytes(map(encoded, first[line])) + bytes(12) + bytes(map(encoded, second[line])))
+    write_png(path, 2 * width + 4, height, rows)
 
 
 def mean_image(images):
