@@ -64,7 +64,7 @@ Json textures_json(const core::SceneDescription& scene) {
   Json json = Json::array();
   std::set<const core::TextureImage*> seen;
   for (const core::Texture& texture : scene.textures)
-    if (seen.insert(texture.image.get()).second)
+    if (texture.image && seen.insert(texture.image.get()).second)
       json.push_back({{"width", texture.image->width()},
                       {"height", texture.image->height()},
                       {"bytes", core::image_bytes(*texture.image)}});

@@ -36,6 +36,17 @@ TEST_F(ImportAndInfo, ImportedSceneRendersToTheSameBytes) {
   EXPECT_NE(read("out.json.pfm"), "");
 }
 
+TEST_F(ImportAndInfo, InfoDescribesASceneWithoutImages) {
+  write(
+      "marble.json",
+      R"({"camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]}, "textures": {"stone": {"type": "marble"}},
+    "materials": {"a": {"type": "lambert", "albedo": {"texture": "stone"}}},
+    "shapes": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "a"}]})");
+  const auto told = run_tessera({"info", path("marble.json"), "--json"});
+  EXPECT_EQ(told.exit_status, 0) << told.err;
+  EXPECT_THAT(told.out, HasSubstr("\"textures\":[]"));
+}
+
 TEST_F(ImportAndInfo, ImportReportsWhatIsApproximated) {
   std::string ply = kPlyTriangle;
   ply.insert(ply.find("element face"), "property float heat\n");
