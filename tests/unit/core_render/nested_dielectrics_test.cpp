@@ -229,7 +229,7 @@ TEST(NestedDielectrics, RefuseWhatCannotBeComputed) {
   lamp.description().materials[0].emission = {Rgb::gray(1)};
   EXPECT_NE(mistake_of(lamp).find("emits light"), std::string::npos) << mistake_of(lamp);
   SceneMaker textured = overlapping_slabs(glass(1.5f, 1), glass(1.5f));
-  textured.description().textures.emplace_back();
+  textured.description().textures.push_back({.image = nullptr, .procedural = ProceduralTexture{}});
   std::get<Glass>(textured.description().materials[0].model).ior.texture = 0;
   EXPECT_NE(mistake_of(textured).find("cannot be a texture"), std::string::npos) << mistake_of(textured);
   SceneMaker many = overlapping_slabs(glass(1.5f), glass(1.5f));
