@@ -63,7 +63,7 @@ def window(folder):
 
 
 def sunny_window(folder):
-    """The same room, lit by an image of a sky with a small sun that shines in."""
+    """The same room, under an image of a sky with a small sun, which lights its floor."""
     write_sky(os.path.join(folder, "sky.pfm"), to_sun=(-0.8, 0.45, -0.15), scale=5)
     return window(folder) | {"textures": {"sky": {"file": "sky.pfm"}}, "environment": {"texture": "sky"}}
 

@@ -144,6 +144,8 @@ lights='"lights": [{"type": "spot", "position": [0, 4, 0], "look_at": [0, 0, 0],
   "softness": 0.5}, {"type": "directional", "direction": [0, -1, 0], "irradiance": 2}]}'
 { grep -v environment "$work/box.json"; echo "$lights"; } | seed scene lights
 sed 's/"radius": 1,/"radius": -1, "radios": 2,/' "$work/box.json" | seed scene mistakes
+{ cat tests/twins/patterns.json; part tiles.obj; cat tests/twins/tiles.obj; } | seed scene patterns
+seed pbrt patterns <tests/twins/patterns.pbrt
 
 # ---- Mitsuba ----
 cat >"$work/a.ply" <<'EOF'

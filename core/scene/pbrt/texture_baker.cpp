@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -274,12 +275,13 @@ Result<ProceduralTexture> TextureBaker::pattern_of(const TextureNode& texture, c
                    made.pattern = ProductPattern{inputs[0], inputs[1]};
                  },
                  [&](const AffineNode& n) {
+                   assert(is_black(n.offset));
                    made.pattern = ProductPattern{inputs[0], {pattern_constant(n.scale), -1}};
                  },
                  [&](const PowerNode& n) {
                    made.pattern = PowerPattern{inputs[0], n.exponent};
                  },
-                 [](const auto&) {},
+                 [](const auto&) { assert(false); },
              },
              texture.node);
   return made;

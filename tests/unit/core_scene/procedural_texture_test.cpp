@@ -168,7 +168,13 @@ std::vector<Texture> one_of_each() {
 TEST(Patterns, LanesHaveTheBitsOfScalars) {
   const std::vector<Texture> all = one_of_each();
   std::mt19937 random(2);
-  std::uniform_real_distribution<float> coordinate(-20, 20);
+  std::uniform_real_distribution<float> usual(-20, 20);
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr std::array kOdd{kInfinity, -kInfinity, std::numeric_limits<float>::quiet_NaN(), 3e38f, -1e9f,
+                            -3.0f,     0.0f};
+  const auto coordinate = [&](std::mt19937& from) {
+    return from() % 16 == 0 ? kOdd[from() % kOdd.size()] : usual(from);
+  };
   for (int i = 0; i < 300; ++i) {
     std::array<ColorParameter, kLaneCount> colors;
     std::array<const ColorParameter*, kLaneCount> pointers{};

@@ -138,10 +138,11 @@ TEST_F(Heartbeats, OfCallersThatHaveGoneAreRemovedAtOnce) {
   std::promise<grpc::StatusCode> ended;
   workers_->async()->Synchronize(&context, &request, &response,
                                  [&](const grpc::Status& status) { ended.set_value(status.error_code()); });
-  while (waiting() == 0) std::this_thread::yield();
+  const auto late = steady_clock::now() + seconds(60);
+  while (waiting() == 0 && steady_clock::now() < late) std::this_thread::yield();
+  ASSERT_EQ(waiting(), 1u);
   context.TryCancel();
   EXPECT_EQ(ended.get_future().get(), grpc::StatusCode::CANCELLED);
-  const auto late = steady_clock::now() + seconds(60);
   while (waiting() > 0 && steady_clock::now() < late) std::this_thread::yield();
   EXPECT_EQ(waiting(), 0u);
 }

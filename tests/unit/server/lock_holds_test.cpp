@@ -169,7 +169,7 @@ class Meanwhile {
   std::vector<std::thread> threads_;
 };
 
-TEST_F(LockHolds, AreShortWhileAThousandWorkersRenderAThousandJobsThatAreListedAndALargeOneIsDeleted) {
+TEST_F(LockHolds, AreShortWhileManyWorkersRenderManyJobsThatAreListedAndALargeOneIsDeleted) {
   const std::string large = submit_of_size(kLargePx, 2);
   const std::string watched = submit_of_size(kLargePx, 2);
   coordinator_.reset();
@@ -205,7 +205,7 @@ TEST_F(LockHolds, AreShortWhileAThousandWorkersRenderAThousandJobsThatAreListedA
   EXPECT_EQ(beyond, 0u) << text;
 }
 
-TEST_F(LockHolds, AreShortWhenAThousandWorkersAreAnsweredOrLostAtOnce) {
+TEST_F(LockHolds, AreShortWhenAllWorkersAreAnsweredOrLostAtOnce) {
   begin_to_count();
   const std::vector<WaitingCall> idle = call_of_each_worker();
   const std::string id = submit_of_size(2048, 6);
@@ -224,7 +224,7 @@ TEST_F(LockHolds, AreShortWhenAThousandWorkersAreAnsweredOrLostAtOnce) {
   EXPECT_EQ(beyond, 0u) << text;
 }
 
-TEST_F(LockHolds, AreShortWhenAThousandJobsFailForALostFile) {
+TEST_F(LockHolds, AreShortWhenAllJobsFailForALostFile) {
   std::vector<std::string> ids;
   for (int i = 0; i < kJobs; ++i) ids.push_back(submit());
   const std::vector<WaitingCall> calls = call_of_each_worker();
