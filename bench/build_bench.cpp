@@ -63,9 +63,9 @@ Measured measure(const std::function<double()>& build) {
 
 Measured build_ours(const Soup& soup, int threads) {
   const Primitives primitives = soup.primitives();
-  Bvh bvh;
+  accel::Bvh bvh;
   Measured result = measure([&] {
-    bvh = Bvh::build(primitives, threads);
+    bvh = accel::Bvh::build(primitives, threads);
     return static_cast<double>(bvh.memory_bytes());
   });
   return result;

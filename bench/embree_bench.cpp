@@ -68,13 +68,13 @@ RTCIntersectContext context_for(RTCIntersectContextFlags flags) {
 
 // Each query returns its number of hits, to check that all trace the same geometry.
 
-std::size_t ours_closest(const Primitives& primitives, const Bvh& bvh, const std::vector<Ray>& rays) {
+std::size_t ours_closest(const Primitives& primitives, const accel::Bvh& bvh, const std::vector<Ray>& rays) {
   std::size_t hits = 0;
   for (const Ray& ray : rays) hits += bvh.closest_hit(primitives, ray).found();
   return hits;
 }
 
-std::size_t ours_any(const Primitives& primitives, const Bvh& bvh, const std::vector<Ray>& rays) {
+std::size_t ours_any(const Primitives& primitives, const accel::Bvh& bvh, const std::vector<Ray>& rays) {
   std::size_t hits = 0;
   for (const Ray& ray : rays) hits += bvh.any_hit(primitives, ray);
   return hits;
@@ -83,7 +83,8 @@ std::size_t ours_any(const Primitives& primitives, const Bvh& bvh, const std::ve
 // The batch size of a renderer with this many active paths.
 constexpr std::size_t kBatch = 1024;
 
-std::size_t ours_closest_batched(const Primitives& primitives, const Bvh& bvh, const std::vector<Ray>& rays) {
+std::size_t ours_closest_batched(const Primitives& primitives, const accel::Bvh& bvh,
+                                 const std::vector<Ray>& rays) {
   const Columns<Ray> columns{std::span(rays)};
   Columns<Hit> answers(kBatch);
   std::size_t hits = 0;
@@ -95,7 +96,8 @@ std::size_t ours_closest_batched(const Primitives& primitives, const Bvh& bvh, c
   return hits;
 }
 
-std::size_t ours_any_batched(const Primitives& primitives, const Bvh& bvh, const std::vector<Ray>& rays) {
+std::size_t ours_any_batched(const Primitives& primitives, const accel::Bvh& bvh,
+                             const std::vector<Ray>& rays) {
   const Columns<Ray> columns{std::span(rays)};
   std::array<std::uint8_t, kBatch> answers;
   std::size_t hits = 0;
@@ -251,12 +253,12 @@ constexpr auto kIncoherent = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
 struct Trees {
   Trees(RTCDevice device, const Soup& soup)
       : primitives(soup.primitives()),
-        bvh(Bvh::build(primitives, 1)),
+        bvh(accel::Bvh::build(primitives, 1)),
         high(build_embree(device, soup, RTC_BUILD_QUALITY_HIGH)),
         medium(build_embree(device, soup, RTC_BUILD_QUALITY_MEDIUM)) {}
 
   Primitives primitives;
-  Bvh bvh;
+  accel::Bvh bvh;
   EmbreeScene high, medium;
 };
 

@@ -16,12 +16,12 @@ namespace {
 
 struct Fixture {
   explicit Fixture(int rows)
-      : soup(blob_on_plane(rows)), primitives(soup.primitives()), bvh(Bvh::build(primitives, 1)) {
+      : soup(blob_on_plane(rows)), primitives(soup.primitives()), bvh(accel::Bvh::build(primitives, 1)) {
     rays = make_rays(soup, primitives, bvh, 512);
   }
   Soup soup;
   Primitives primitives;
-  Bvh bvh;
+  accel::Bvh bvh;
   RaySets rays;
 };
 

@@ -29,7 +29,7 @@ std::vector<Transform> placements() {
   std::vector<Transform> all;
   for (int i = 0; i < kSide; ++i)
     for (int j = 0; j < kSide; ++j) {
-      const auto u = Sampler(1, i, j, 0).pad(0);
+      const auto u = sampling::Sampler(1, i, j, 0).pad(0);
       const float size = 0.8f + 0.4f * u[0];
       const Vec3 place{2.4f * (static_cast<float>(i) + 0.5f) - kHalf, size,
                        2.4f * (static_cast<float>(j) + 0.5f) - kHalf};
@@ -69,10 +69,10 @@ double cpu_seconds() {
 }
 
 struct Level {
-  explicit Level(Primitives made) : primitives(std::move(made)), bvh(Bvh::build(primitives, 2)) {}
+  explicit Level(Primitives made) : primitives(std::move(made)), bvh(accel::Bvh::build(primitives, 2)) {}
 
   Primitives primitives;
-  Bvh bvh;
+  accel::Bvh bvh;
 };
 
 // The batch size of a renderer with this many active paths.
@@ -242,8 +242,8 @@ std::vector<Material> materials() {
 // The medians of the samples per second of each scene, by one thread, in interleaved runs.
 std::vector<double> mega_samples_per_second(const std::vector<Scene>& scenes, int rounds) {
   constexpr std::uint32_t kSamples = 4;
-  std::vector<RenderPlan> plans;
-  for (const Scene& scene : scenes) plans.push_back(prepare(scene, scene.settings(), 1));
+  std::vector<integrators::RenderPlan> plans;
+  for (const Scene& scene : scenes) plans.push_back(integrators::prepare(scene, scene.settings(), 1));
   std::vector<std::vector<double>> seconds(scenes.size());
   for (int round = 0; round < rounds; ++round)
     for (std::size_t i = 0; i < scenes.size(); ++i) {

@@ -18,14 +18,14 @@ namespace {
 std::uint64_t count_leaks(std::uint64_t count) {
   const test::Mesh mesh = test::icosphere(5, {1, 2, 3}, 1);
   const Primitives primitives = mesh.primitives();
-  const Bvh bvh = Bvh::build(primitives, 1);
+  const accel::Bvh bvh = accel::Bvh::build(primitives, 1);
   constexpr std::size_t kBatch = 4096;
   Columns<Ray> rays(kBatch);
   Columns<Hit> hits(kBatch);
   std::uint64_t leaks = 0;
   for (std::uint64_t done = 0; done < count; done += kBatch) {
     for (std::size_t i = 0; i < kBatch; ++i) {
-      const auto u = Sampler(done, static_cast<int>(i), 0, 0).pad(0);
+      const auto u = sampling::Sampler(done, static_cast<int>(i), 0, 0).pad(0);
       const auto corner = static_cast<std::size_t>(u[3] * 6);
       const auto& triangle = mesh.triangles[(done + i * 2654435761u) % mesh.triangles.size()];
       const Vec3 a = mesh.positions[triangle[corner % 3]];

@@ -34,12 +34,12 @@ double cpu_seconds() {
 }
 
 std::array<float, 4> numbers(int index, std::uint32_t kind) {
-  return Sampler(3, index, 0, 0).pad(kind);
+  return sampling::Sampler(3, index, 0, 0).pad(kind);
 }
 
 // A facet around `center`.
 void add_triangle(MeshDescription& mesh, Vec3 center, float size, const std::array<float, 4>& u) {
-  const Frame frame = Frame::around(sample_sphere({u[0], u[1]}));
+  const Frame frame = Frame::around(sampling::sample_sphere({u[0], u[1]}));
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   mesh.positions.push_back(center + frame.tangent * size);
   mesh.positions.push_back(center + frame.bitangent * size);
@@ -74,7 +74,7 @@ SceneDescription hall(int lamps, int facets_per_lamp) {
     MeshDescription mesh;
     for (int facet = 0; facet < facets_per_lamp; ++facet) {
       const auto v = numbers(facet, static_cast<std::uint32_t>(1 + i));
-      const Vec3 offset = facets_per_lamp > 1 ? sample_sphere({v[2], v[3]}) * 0.1f : Vec3{};
+      const Vec3 offset = facets_per_lamp > 1 ? sampling::sample_sphere({v[2], v[3]}) * 0.1f : Vec3{};
       add_triangle(mesh, place + offset, facets_per_lamp > 1 ? 0.01f : 0.03f, v);
     }
     mesh.triangle_materials = {static_cast<std::uint32_t>(1 + i % 10)};
@@ -93,16 +93,17 @@ struct Estimate {
 // Direct light at the visible points, with lights chosen by choose(point, u): kSamples samples at each
 // point.
 template <typename Choose>
-Estimate estimate(const Scene& scene, const std::vector<PathVertex>& vertices, const Choose& choose) {
+Estimate estimate(const Scene& scene, const std::vector<integrators::PathVertex>& vertices,
+                  const Choose& choose) {
   std::vector<double> sums(vertices.size()), squares(vertices.size());
   const double start = cpu_seconds();
   for (std::size_t v = 0; v < vertices.size(); ++v) {
-    const PathVertex& vertex = vertices[v];
+    const integrators::PathVertex& vertex = vertices[v];
     for (std::uint32_t s = 0; s < kSamples; ++s) {
       // Not stratified, so that the variance of the samples estimates the error of one.
-      const auto u = Sampler(9, static_cast<int>(v), static_cast<int>(s), 0).pad(0);
-      const auto choice = choose(vertex.light_context(), combine_uniforms(u[2], u[3]));
-      if (choice.light == kNoLight) continue;
+      const auto u = sampling::Sampler(9, static_cast<int>(v), static_cast<int>(s), 0).pad(0);
+      const auto choice = choose(vertex.light_context(), integrators::combine_uniforms(u[2], u[3]));
+      if (choice.light == lights::kNoLight) continue;
       const auto light =
           sample_light(scene.lights()[choice.light], scene.textures(), vertex.light_context(), {u[0], u[1]});
       if (!light) continue;
@@ -127,24 +128,24 @@ Estimate estimate(const Scene& scene, const std::vector<PathVertex>& vertices, c
 
 // Measures the choice alone.
 template <typename Choose>
-double seconds_per_choice(const std::vector<PathVertex>& vertices, const Choose& choose) {
+double seconds_per_choice(const std::vector<integrators::PathVertex>& vertices, const Choose& choose) {
   const double start = cpu_seconds();
-  for (const PathVertex& vertex : vertices)
+  for (const integrators::PathVertex& vertex : vertices)
     for (int s = 0; s < kSamples; ++s) {
       const auto u = numbers(s, 0);
-      benchmark::DoNotOptimize(choose(vertex.light_context(), combine_uniforms(u[0], u[1])));
+      benchmark::DoNotOptimize(choose(vertex.light_context(), integrators::combine_uniforms(u[0], u[1])));
     }
   return (cpu_seconds() - start) / static_cast<double>(vertices.size() * kSamples);
 }
 
-std::vector<PathVertex> visible_vertices(const Scene& scene) {
-  std::vector<PathVertex> vertices;
+std::vector<integrators::PathVertex> visible_vertices(const Scene& scene) {
+  std::vector<integrators::PathVertex> vertices;
   for (int y = 0; y < kSidePx; ++y)
     for (int x = 0; x < kSidePx; ++x) {
       const Ray ray = scene.camera().ray({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f},
                                          kSidePx, kSidePx, {0.5f, 0.5f});
       const Hit hit = scene.bvh().closest_hit(scene.primitives(), ray);
-      if (hit.found() && scene.light_of(hit) == kNoLight) vertices.emplace_back(scene, ray, hit);
+      if (hit.found() && scene.light_of(hit) == lights::kNoLight) vertices.emplace_back(scene, ray, hit);
     }
   return vertices;
 }
@@ -153,24 +154,24 @@ void measure(int lamps, int facets_per_lamp) {
   SceneDescription description = hall(lamps, facets_per_lamp);
   const Scene scene = Scene::build(std::move(description), 1).value();
   double start = cpu_seconds();
-  const LightSampler sampler(scene.lights(), LightSampler::Among::kAll, 1);
+  const lights::LightSampler sampler(scene.lights(), lights::LightSampler::Among::kAll, 1);
   const double build = cpu_seconds() - start;
 
   std::vector<double> powers;
-  for (const Light& light : scene.lights()) powers.push_back(power(light, 1));
-  const DiscreteDistribution by_power(powers);
+  for (const lights::Light& light : scene.lights()) powers.push_back(power(light, 1));
+  const sampling::DiscreteDistribution by_power(powers);
   const auto vertices = visible_vertices(scene);
-  const auto tree_choice = [&](const LightSampleContext& point, double u) {
+  const auto tree_choice = [&](const lights::LightSampleContext& point, double u) {
     return sampler.sample(point, u);
   };
-  const auto power_choice = [&](const LightSampleContext&, double u) {
+  const auto power_choice = [&](const lights::LightSampleContext&, double u) {
     const auto light = static_cast<std::uint32_t>(by_power.sample(u));
-    return LightSampler::Choice{light, by_power.pmf(light)};
+    return lights::LightSampler::Choice{light, by_power.pmf(light)};
   };
   const Estimate tree = estimate(scene, vertices, tree_choice);
   const Estimate power_alone = estimate(scene, vertices, power_choice);
 
-  const RenderPlan plan = prepare(scene, scene.settings(), 1);
+  const integrators::RenderPlan plan = integrators::prepare(scene, scene.settings(), 1);
   start = cpu_seconds();
   const FilmTile tile = render(plan, {0, 0, kSidePx, kSidePx}, {0, scene.settings().spp}, 1);
   const double per_sample = (cpu_seconds() - start) / static_cast<double>(tile.counters.samples);

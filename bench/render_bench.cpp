@@ -18,7 +18,7 @@ void render_scene(benchmark::State& state, const std::string& name, Integrator i
   RenderSettings settings = scene->settings();
   settings.integrator = integrator;
   const PixelRect image{0, 0, settings.width_px, settings.height_px};
-  const RenderPlan plan = prepare(*scene, settings, 1);
+  const integrators::RenderPlan plan = integrators::prepare(*scene, settings, 1);
 
   RenderCounters counters;
   std::uint32_t sample = 0;

@@ -75,15 +75,15 @@ struct Strand {
 
 Strand strand(int number) {
   constexpr float kStep = 0.12f, kCurl = 0.22f, kWeight = 0.12f;
-  const auto u = Sampler(2, number, 0, 0).pad(0);
-  Vec3 direction = sample_sphere({u[0], u[1]});
+  const auto u = sampling::Sampler(2, number, 0, 0).pad(0);
+  Vec3 direction = sampling::sample_sphere({u[0], u[1]});
   const float turn = 2 * kPi * u[2];
   Strand made{{}, Frame::around(direction).to_world({cos(turn), sin(turn), 0}) * kStrandHalfWidth};
   Vec3 joint = kStrandsCenter + direction;
   for (int i = 0; i <= kStrandSegments; ++i) {
     made.joints.push_back(joint);
-    const auto v = Sampler(2, number, 1 + i, 0).pad(0);
-    direction = normalize(direction + sample_sphere({v[0], v[1]}) * kCurl - Vec3{0, kWeight, 0});
+    const auto v = sampling::Sampler(2, number, 1 + i, 0).pad(0);
+    direction = normalize(direction + sampling::sample_sphere({v[0], v[1]}) * kCurl - Vec3{0, kWeight, 0});
     joint = joint + direction * kStep;
     joint.y = std::max(joint.y, 0.01f);
   }
@@ -116,13 +116,13 @@ struct Camera {
   Vec3 forward, right, up;
 };
 
-void add_rays_from_hit(const Soup& soup, const SurfacePoint& point, Vec3 wo, const Sampler& sampler,
+void add_rays_from_hit(const Soup& soup, const SurfacePoint& point, Vec3 wo, const sampling::Sampler& sampler,
                        RaySets& rays) {
   const auto u = sampler.pad(0);
   const Vec3 normal = face_toward(point.geometric_normal, wo);
-  const Vec3 wi = Frame::around(normal).to_world(sample_cosine_hemisphere({u[0], u[1]}));
+  const Vec3 wi = Frame::around(normal).to_world(sampling::sample_cosine_hemisphere({u[0], u[1]}));
   rays.bounce.push_back({offset_origin(point, wi), wi});
-  const Vec3 on_lamp = soup.lamp.center + sample_sphere({u[2], u[3]}) * soup.lamp.radius;
+  const Vec3 on_lamp = soup.lamp.center + sampling::sample_sphere({u[2], u[3]}) * soup.lamp.radius;
   const Vec3 origin = offset_origin(point, on_lamp - point.position);
   rays.shadow.push_back({origin, on_lamp - origin, 1});
 }
@@ -150,7 +150,7 @@ Soup blobs(int side, int rows) {
   const float half = 1.2f * static_cast<float>(side);
   for (int i = 0; i < side; ++i)
     for (int j = 0; j < side; ++j) {
-      const auto u = Sampler(1, i, j, 0).pad(0);
+      const auto u = sampling::Sampler(1, i, j, 0).pad(0);
       const float size = 0.8f + 0.4f * u[0];
       const float x = 2.4f * (static_cast<float>(i) + 0.5f) - half + 0.3f * u[1];
       const float z = 2.4f * (static_cast<float>(j) + 0.5f) - half + 0.3f * u[2];
@@ -216,7 +216,7 @@ Soup strands_on_plane() {
   return soup;
 }
 
-RaySets make_rays(const Soup& soup, const Primitives& primitives, const Bvh& bvh, int side) {
+RaySets make_rays(const Soup& soup, const Primitives& primitives, const accel::Bvh& bvh, int side) {
   constexpr int kBlock = 8;
   const Camera camera(soup);
   const int blocks = side / kBlock;
@@ -230,7 +230,8 @@ RaySets make_rays(const Soup& soup, const Primitives& primitives, const Bvh& bvh
     rays.primary.push_back(ray);
     const Hit hit = bvh.closest_hit(primitives, ray);
     if (!hit.found()) continue;
-    add_rays_from_hit(soup, primitives.surface(ray, hit), -ray.direction, Sampler(0, x, y, 0), rays);
+    add_rays_from_hit(soup, primitives.surface(ray, hit), -ray.direction, sampling::Sampler(0, x, y, 0),
+                      rays);
   }
   return rays;
 }

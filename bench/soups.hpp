@@ -50,6 +50,6 @@ struct RaySets {
   std::vector<Ray> shadow;   // one from each primary hit to a point of the lamp's surface, 0 < t < 1
 };
 
-RaySets make_rays(const Soup& soup, const Primitives& primitives, const Bvh& bvh, int side);
+RaySets make_rays(const Soup& soup, const Primitives& primitives, const accel::Bvh& bvh, int side);
 
 }  // namespace tessera::core

@@ -15,11 +15,11 @@ struct Fixture {
   explicit Fixture(int rows)
       : soup(blob_on_plane(rows)),
         primitives(soup.primitives()),
-        bvh(Bvh::build(primitives, 1)),
+        bvh(accel::Bvh::build(primitives, 1)),
         rays(make_rays(soup, primitives, bvh, 512)) {}
   Soup soup;
   Primitives primitives;
-  Bvh bvh;
+  accel::Bvh bvh;
   RaySets rays;
 };
 
@@ -57,7 +57,7 @@ void closest_primary_without_bvh(benchmark::State& state) {
 }
 void build(benchmark::State& state) {
   const Primitives primitives = blob_on_plane(static_cast<int>(state.range(0))).primitives();
-  for (auto _ : state) benchmark::DoNotOptimize(Bvh::build(primitives, 1));
+  for (auto _ : state) benchmark::DoNotOptimize(accel::Bvh::build(primitives, 1));
   state.counters["triangles/s"] =
       benchmark::Counter(static_cast<double>(primitives.count()) * static_cast<double>(state.iterations()),
                          benchmark::Counter::kIsRate);

@@ -56,10 +56,11 @@ bool render_locally(const LocalRender& render, SharedFilm& film, ProgressLine& p
   std::uint64_t target = 1;
   Clock now;
   progress.update(state, now.seconds);
-  const core::RenderPlan plan = core::prepare(render.scene, settings, render.threads);
+  const core::integrators::RenderPlan plan =
+      core::integrators::prepare(render.scene, settings, render.threads);
   while (const std::optional<WorkPiece> piece = cutter.next(target)) {
     if (should_stop()) return false;
-    const core::FilmTile tile = core::render(plan, piece->rect, piece->range, render.threads);
+    const core::FilmTile tile = core::integrators::render(plan, piece->rect, piece->range, render.threads);
     const Clock before = now;
     now = Clock();
     const RenderTotals work{tile.counters, now.seconds - before.seconds,

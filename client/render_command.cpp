@@ -172,7 +172,8 @@ int print_sample(const core::Scene& scene, const core::RenderSettings& settings,
                             settings.width_px, settings.height_px));
     return kExitUsage;
   }
-  const core::Rgb radiance = core::render_sample(core::prepare(scene, settings, threads), id);
+  const core::Rgb radiance =
+      core::integrators::render_sample(core::integrators::prepare(scene, settings, threads), id);
   print_result(fmt::format("pixel ({}, {}) sample {}: radiance {:.9g} {:.9g} {:.9g}\n", id.x, id.y, id.sample,
                            radiance.r, radiance.g, radiance.b));
   return kExitOk;

@@ -110,7 +110,7 @@ int run(const worker::Options& options, char** arguments) {
   worker::Identity identity{.worker_id = proto::worker_id_of(key),
                             .name = options.name,
                             .version = std::string(core::version()),
-                            .determinism_fingerprint = core::determinism_fingerprint(),
+                            .determinism_fingerprint = core::integrators::determinism_fingerprint(),
                             .threads = options.threads,
                             .worker_key = key};
   common::log(spdlog::level::info,

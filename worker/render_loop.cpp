@@ -95,7 +95,7 @@ core::Status RenderLoop::try_to_render(const Piece& piece, const std::stop_token
   lease_tracker_.begins(piece);
   const auto start = Metrics::Clock::now();
   metrics_.step_began = start;
-  const core::RenderPlan plan = (*plans)->get(piece.job->settings, threads_);
+  const core::integrators::RenderPlan plan = (*plans)->get(piece.job->settings, threads_);
   core::FilmTile tile = render_(plan, piece.item.rect, piece.item.range, threads_);
   const auto took = Metrics::Clock::now() - start;
   const std::uint64_t samples = piece.item.rect.pixel_count() * piece.item.range.count();

@@ -16,12 +16,12 @@ namespace tessera::worker {
 
 class RenderLoop {
  public:
-  // The signature of core::render.
-  using Render =
-      std::function<core::FilmTile(const core::RenderPlan&, core::PixelRect, core::SampleRange, int threads)>;
+  // The signature of core::integrators::render.
+  using Render = std::function<core::FilmTile(const core::integrators::RenderPlan&, core::PixelRect,
+                                              core::SampleRange, int threads)>;
 
   RenderLoop(int threads, LeaseTracker& lease_tracker, Metrics& metrics, LoadScene load,
-             std::optional<core::SceneStore> store = {}, Render render = core::render);
+             std::optional<core::SceneStore> store = {}, Render render = core::integrators::render);
 
   // Returns after a stop, at the end of the current piece, or at once while a scene is loaded. A job whose
   // scene cannot be loaded or built is logged, and its leases are given back.

@@ -17,8 +17,8 @@ constexpr auto kMarkPeriod = std::chrono::minutes(10);
 
 }  // namespace
 
-core::Result<core::RenderPlans*> SceneCache::get(const SceneFiles& files, std::int32_t frame,
-                                                 const std::stop_token& stop) {
+core::Result<core::integrators::RenderPlans*> SceneCache::get(const SceneFiles& files, std::int32_t frame,
+                                                              const std::stop_token& stop) {
   const auto entry = find_or_build(files, stop);
   if (!entry) return core::fail(entry.error());
   if (const core::Status shown = (*entry)->scene.set_frame(frame, threads_); !shown)

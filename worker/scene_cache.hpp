@@ -40,8 +40,8 @@ class SceneCache {
   // The plans of the scene at a frame, valid until the next call. Loads and builds the scene if it is not in
   // memory, and marks its files as used. Errors are those of loading, of Scene::build and of
   // Scene::set_frame.
-  core::Result<core::RenderPlans*> get(const SceneFiles& files, std::int32_t frame,
-                                       const std::stop_token& stop = {});
+  core::Result<core::integrators::RenderPlans*> get(const SceneFiles& files, std::int32_t frame,
+                                                    const std::stop_token& stop = {});
   // Whether scenes of other bundles are in memory.
   bool has_others(const SceneFiles& files) const;
   // Removes all scenes from memory.
@@ -54,7 +54,7 @@ class SceneCache {
 
     const std::string key;
     core::Scene scene;
-    core::RenderPlans plans{scene};
+    core::integrators::RenderPlans plans{scene};
     Clock::time_point files_marked = Clock::now();
   };
 

@@ -30,7 +30,7 @@ class Worker {
     LoadScene load_scene = [](const SceneFiles& files, int threads, const std::stop_token& stop) {
       return load_confined({}, files, threads, stop);
     };
-    RenderLoop::Render render = core::render;
+    RenderLoop::Render render = core::integrators::render;
     // How long an unwanted piece may be rendered before it is presumed endless.
     LeaseTracker::HangTimeout hang_timeout = [](const UnwantedPiece& piece) {
       return compute_hang_timeout(piece, 0);

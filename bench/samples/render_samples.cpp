@@ -34,7 +34,8 @@ Status render_samples(const char* path, int side_px, int spp) {
   const auto scene = Scene::build(*std::move(description), 1);
   if (!scene) return fail(scene.error());
   const SampleRange samples{0, static_cast<std::uint32_t>(spp)};
-  const FilmTile tile = render(prepare(*scene, scene->settings(), 1), {0, 0, side_px, side_px}, samples, 1);
+  const FilmTile tile =
+      render(integrators::prepare(*scene, scene->settings(), 1), {0, 0, side_px, side_px}, samples, 1);
   fmt::print("{} samples\n", tile.counters.samples);
   return {};
 }

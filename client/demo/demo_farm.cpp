@@ -38,7 +38,7 @@ worker::Identity new_identity() {
   return {.worker_id = proto::worker_id_of(key),
           .name = kWorkerName,
           .version = std::string(core::version()),
-          .determinism_fingerprint = core::determinism_fingerprint(),
+          .determinism_fingerprint = core::integrators::determinism_fingerprint(),
           .threads = core::available_threads(),
           .worker_key = key};
 }

@@ -12,7 +12,7 @@
 #include "core/accel/partition.hpp"
 #include "core/base/top_down.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 namespace {
 
 constexpr std::size_t kTaskSize = 2048;  // shorter ranges are not worth a task
@@ -222,4 +222,4 @@ BinaryBvh build_binary_bvh(const Primitives& primitives, int threads) {
   return Builder(primitives, threads).take_tree();
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -11,7 +11,7 @@
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/primitives.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 struct BinaryBvh {
   struct Node {
@@ -40,4 +40,4 @@ inline constexpr int kMaxSahDepth = kMaxTreeDepth - 32;
 // Leaves out primitives that cannot be hit (those whose Primitives::bounds are empty).
 BinaryBvh build_binary_bvh(const Primitives& primitives, int threads);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

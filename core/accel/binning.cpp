@@ -5,7 +5,7 @@
 
 #include "core/accel/binary_bvh.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 namespace {
 
 // A factor that scales the longest side of `bounds` to a quarter, so that areas neither overflow nor
@@ -116,4 +116,4 @@ Split Bins::best_split(const Aabb& bounds) const {
   return best;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -10,7 +10,7 @@
 
 #include "core/accel/build_box.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 inline constexpr int kBins = 16;
 
@@ -65,4 +65,4 @@ class Bins {
   std::array<Row, kBins> rows_;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -10,7 +10,7 @@
 #include "core/geometry/aabb.hpp"
 #include "core/math/simd_halves.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 // The lanes are -x, -y, -z of the lower corner, an unused lane, x, y, z of the upper corner, an unused
 // lane. A default-constructed box is empty.
@@ -58,4 +58,4 @@ struct RangeBounds {
   }
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

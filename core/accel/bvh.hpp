@@ -17,7 +17,7 @@
 #include "core/geometry/ray.hpp"
 #include "core/math/columns.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 // The work of tracing rays, independent of the machine.
 struct VisitCounts {
@@ -78,4 +78,4 @@ class Bvh {
   Arrays arrays_;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

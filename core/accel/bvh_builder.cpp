@@ -9,7 +9,7 @@
 #include "core/accel/collapse.hpp"
 #include "core/accel/tube_test.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 namespace {
 
 // The numbers of nodes and packets of a part of the wide tree.
@@ -216,4 +216,4 @@ std::size_t Bvh::memory_bytes() const {
   return bytes(bytes, arrays_);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

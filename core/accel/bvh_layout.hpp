@@ -12,7 +12,7 @@
 #include "core/math/simd.hpp"
 #include "core/math/simd_integer.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 // No leaf of the binary tree that a Bvh is made from is deeper.
 inline constexpr int kMaxTreeDepth = 72;
@@ -82,4 +82,4 @@ struct alignas(64) BvhPacket {
   bool operator==(const BvhPacket&) const = default;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -8,7 +8,7 @@
 #include "core/accel/octant_groups.hpp"
 #include "core/accel/ray_traversal.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 namespace {
 
 class CountedVisits {
@@ -83,4 +83,4 @@ void Bvh::any_hits(const Primitives& primitives, ColumnsView<const Ray> rays,
   });
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

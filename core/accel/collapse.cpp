@@ -5,7 +5,7 @@
 
 #include "core/math/simd.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 namespace {
 
 // The relative costs of testing a node's sixteen boxes and of testing a packet.
@@ -89,4 +89,4 @@ void Collapse::add_forest(std::uint32_t node, int trees, Forest& forest) const {
   add_forest(binary.right(), trees - left_trees, forest);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -11,7 +11,7 @@
 #include "core/accel/bvh_layout.hpp"
 #include "core/accel/huge_pages.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 // A set of up to sixteen binary nodes.
 class Forest {
@@ -60,4 +60,4 @@ class Collapse {
   HugePageArray<Plan> plans_;  // one for each pair of children
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -14,7 +14,7 @@
 #include "core/accel/traversal_stack.hpp"
 #include "core/base/prefetch.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 // AnyRay is Ray or ObjectRay.
 template <Query kQuery, typename AnyRay>
@@ -123,4 +123,4 @@ class DivergedRays {
   std::array<Reached, (kQuery == Query::kAny ? BvhNode::kWidth : 1) * kGroupSize> reached_;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

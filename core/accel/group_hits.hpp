@@ -21,7 +21,7 @@
 #include "core/geometry/primitives.hpp"
 #include "core/geometry/rounding.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 // The geometry that a group is traced against: a scene or an object.
 struct GroupScene {
@@ -346,4 +346,4 @@ class GroupHits {
   std::size_t queued_ = 0;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -10,7 +10,7 @@
 #include "core/accel/traversal_stack.hpp"
 #include "core/base/prefetch.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 namespace {
 
 // Approximate costs of tests in cycles, for choosing between them.
@@ -241,4 +241,4 @@ void trace_any(const GroupScene& scene, ColumnsView<const Ray> rays, std::span<c
     occluded[order[i]] = (traversal.missing() >> i & 1) != 0 ? 0 : 1;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -15,7 +15,7 @@
 
 #include "core/accel/group_hits.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 // The rays rays[order[i]] point into one octant (octant_groups.hpp), in ascending order, and
 // there are at most kGroupSize.
@@ -25,4 +25,4 @@ void trace_closest(const GroupScene& scene, ColumnsView<const Ray> rays, std::sp
 void trace_any(const GroupScene& scene, ColumnsView<const Ray> rays, std::span<const std::uint16_t> order,
                std::span<std::uint8_t> occluded);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

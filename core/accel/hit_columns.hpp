@@ -13,7 +13,7 @@
 #include "core/geometry/ray.hpp"
 #include "core/math/columns.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 class HitColumns {
  public:
@@ -74,4 +74,4 @@ class HitColumns {
   alignas(kVectorAlignment) std::uint32_t instance_[kGroupSize];
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

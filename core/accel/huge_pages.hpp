@@ -14,7 +14,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 template <typename T>
 class HugePageArray {
@@ -71,4 +71,4 @@ class HugePageArray {
   std::size_t size_ = 0;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -9,7 +9,7 @@
 #include "core/geometry/primitives.hpp"
 #include "core/math/simd.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 // Calls found(hit) for each hit of the line in front of the origin, wherever the ray ends. Bit-identical to
 // Primitives::intersect().
@@ -35,4 +35,4 @@ void for_each_moving_hit(const BvhPacket& packet, const Primitives& primitives, 
   }
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

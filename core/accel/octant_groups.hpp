@@ -15,7 +15,7 @@
 #include "core/geometry/ray.hpp"
 #include "core/math/columns.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 // Rays are sorted by octant within runs of at most this many.
 inline constexpr std::size_t kRun = 512;
@@ -149,4 +149,4 @@ void for_each_run(ColumnsView<const Ray> rays, const What& what) {
   }
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -9,7 +9,7 @@
 #include "core/accel/tube_test.hpp"
 #include "core/geometry/primitives.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 template <typename AnyRay, typename Found>
 void for_each_curve_hit(const BvhPacket& packet, const Primitives& primitives, const AnyRay& ray,
@@ -40,4 +40,4 @@ void for_each_line_hit(const BvhPacket& packet, const Primitives& primitives, co
   }
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

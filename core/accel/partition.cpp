@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace tessera::core {
+namespace tessera::core::accel {
 namespace {
 
 // Items on the wrong side of the border, as runs.
@@ -113,4 +113,4 @@ Parts partition_in_parallel(std::span<BuildItem> items, const Binning& binning, 
   return all;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -8,7 +8,7 @@
 
 #include "core/accel/binning.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 struct Parts {
   std::size_t left_count = 0;
@@ -36,4 +36,4 @@ inline std::span<BuildItem> piece_of(std::span<BuildItem> items, std::size_t pie
   return items.subspan(piece * kPiece, std::min(kPiece, items.size() - piece * kPiece));
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

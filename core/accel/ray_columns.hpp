@@ -14,7 +14,7 @@
 #include "core/math/columns.hpp"
 #include "core/math/simd_widest.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 // A set of a group's rays: bit i for ray i.
 using RaySet = std::uint64_t;
@@ -138,4 +138,4 @@ inline DoubleVector in_double(DoubleVector a) {
   return a;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

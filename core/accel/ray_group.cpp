@@ -8,7 +8,7 @@
 #include "core/geometry/rounding.hpp"
 #include "core/geometry/triangle.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -131,8 +131,8 @@ unsigned RayGroup<AnyRay>::boxes_met(const BvhNode& node, float* t_near) const {
     std::fill_n(t_near, BvhNode::kWidth, 0.0f);
     return 0xffffu;
   }
-  return core::boxes_met(AllRays{*this}, sides_, FloatVector(std::numeric_limits<float>::max()), node,
-                         t_near);
+  return core::accel::boxes_met(AllRays{*this}, sides_, FloatVector(std::numeric_limits<float>::max()), node,
+                                t_near);
 }
 
 template <typename AnyRay>
@@ -187,4 +187,4 @@ unsigned RayGroup<AnyRay>::rays_meeting(const BvhNode& node, RaySet set,
 template class RayGroup<Ray>;
 template class RayGroup<ObjectRay>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -13,7 +13,7 @@
 #include "core/accel/slab_test.hpp"
 #include "core/accel/triangle_filter.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 template <typename AnyRay>
 class RayGroup {
@@ -25,7 +25,7 @@ class RayGroup {
 
   // The mask of a node's boxes that a ray meets, and their entry distances.
   unsigned boxes_met_by(std::size_t ray, const BvhNode& node, float* t_near) const {
-    return core::boxes_met(OneRay{*this, ray}, sides_, FloatVector(limit_[ray]), node, t_near);
+    return core::accel::boxes_met(OneRay{*this, ray}, sides_, FloatVector(limit_[ray]), node, t_near);
   }
 
   // The distance at which a ray enters the box in a lane that it meets.
@@ -150,4 +150,4 @@ class RayGroup {
   alignas(kVectorAlignment) float shear_[2][kSize];
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

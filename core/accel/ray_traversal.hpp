@@ -19,7 +19,7 @@
 #include "core/geometry/primitives.hpp"
 #include "core/math/simd.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 enum class Query { kClosest, kAny };
 
@@ -155,4 +155,4 @@ void enter_instance(const Primitives& scene, const Bvh::Arrays* objects, std::ui
   hit.improve(ray, found);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -9,7 +9,7 @@
 #include "core/accel/ray_columns.hpp"
 #include "core/geometry/primitives.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 class RaysInObject {
  public:
@@ -76,4 +76,4 @@ class RaysInObject {
   alignas(kVectorAlignment) double direction_[3][kGroupSize];
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

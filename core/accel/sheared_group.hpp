@@ -9,7 +9,7 @@
 #include "core/accel/ray_columns.hpp"
 #include "core/accel/triangle_hits.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 class ShearedGroup {
  public:
@@ -130,4 +130,4 @@ class ShearedGroup {
   alignas(kVectorAlignment) double direction_z_[kGroupSize];
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

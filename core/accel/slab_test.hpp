@@ -17,7 +17,7 @@
 #include "core/geometry/rounding.hpp"
 #include "core/math/simd_widest.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 inline constexpr float kBoxSlack = 1 + 2 * gamma<float>(6);
 
@@ -116,7 +116,7 @@ class SlabRay {
   }
 
   unsigned boxes_met(const BvhNode& node, float limit, float* t_near) const {
-    return core::boxes_met(*this, sides_, FloatVector(limit), node, t_near);
+    return core::accel::boxes_met(*this, sides_, FloatVector(limit), node, t_near);
   }
 
   FloatVector enter(int axis, FloatVector plane) const {
@@ -133,4 +133,4 @@ class SlabRay {
   FloatVector origin_[Origins::kCount][3], inverse_[3], far_inverse_[3];
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

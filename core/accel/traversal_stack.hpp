@@ -11,7 +11,7 @@
 
 #include "core/accel/bvh_layout.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 // A child to be visited and the distance at which the ray enters its box, packed into one integer that
 // compares like the non-negative distance.
@@ -100,4 +100,4 @@ inline unsigned push_nodes(TraversalStack<StackEntry, kCapacity>& stack, const B
   return met & packet_lanes;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

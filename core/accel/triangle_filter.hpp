@@ -16,7 +16,7 @@
 #include "core/geometry/rounding.hpp"
 #include "core/math/simd_widest.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 // Rays in the form that the filter takes, one in each lane or one in all lanes. The z component of a
 // direction is at least half its largest component. A ray whose shear is NaN is never decided.
@@ -86,4 +86,4 @@ class TriangleFilter {
   FloatVector e_error_, max_z_, least_, greatest_;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -7,7 +7,7 @@
 #include "core/geometry/triangle.hpp"
 #include "core/math/simd.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 // One ray in all lanes, or one ray in each.
 template <typename D>
@@ -169,4 +169,4 @@ class TriangleHitsOf {
   alignas(8 * kLanes) double det_[kLanes];
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -11,7 +11,7 @@
 #include "core/geometry/primitives.hpp"
 #include "core/math/simd.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 
 // Where a packet keeps the source of a part of a curve.
 inline void set_source(BvhPacket& packet, std::uint32_t lane, Curves::Source source) {
@@ -47,4 +47,4 @@ inline unsigned curves_near(const BvhPacket& packet, const ObjectRay& ray) {
   return packet.lanes & ~less(radius * radius * dot_of(n, n) + error2, away * away);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -53,7 +53,7 @@ struct Scene::Impl {
   explicit Impl(core::Scene loaded) : scene(std::move(loaded)) {}
 
   const core::Scene scene;
-  core::RenderPlans plans{scene};
+  core::integrators::RenderPlans plans{scene};
 };
 
 Scene::Scene(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -79,7 +79,7 @@ Image Scene::render(const RenderOptions& options) const {
     const auto settings = value_or_throw(core::resolve_settings(impl_->scene.settings(), overrides));
     if (options.threads < 0) throw Error("threads must not be negative");
     const int threads = options.threads > 0 ? options.threads : default_threads();
-    const core::RenderPlan plan = impl_->plans.get(settings, threads);
+    const core::integrators::RenderPlan plan = impl_->plans.get(settings, threads);
     const core::TileGrid grid(settings.window(), core::kTilePx);
     core::Film film(grid);
     const auto pixel_samples = static_cast<double>(grid.window().pixel_count()) * settings.spp;
@@ -89,7 +89,7 @@ Image Scene::render(const RenderOptions& options) const {
          begin += spp, spp = std::min(2 * spp, kMaxSppPerPiece)) {
       const core::SampleRange range{begin, std::min(begin + spp, settings.spp)};
       for (int tile = 0; tile < grid.tile_count(); ++tile) {
-        film.add(core::render(plan, grid.rect(tile), range, threads));
+        film.add(core::integrators::render(plan, grid.rect(tile), range, threads));
         done += static_cast<double>(grid.rect(tile).pixel_count()) * range.count();
         if (options.progress && !options.progress(done / pixel_samples)) {
           begin = settings.spp;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The determinism fingerprint of this release: the result of core::determinism_fingerprint()
+// The determinism fingerprint of this release: the result of core::integrators::determinism_fingerprint()
 // (core/integrators). A coordinator, which cannot render, accepts only workers with this fingerprint. It
 // changes with every change of the rendered bytes; fingerprint_test.cpp compares it and prints the new
 // value.

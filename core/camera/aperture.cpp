@@ -29,7 +29,7 @@ Aperture::Aperture(float radius, int blades, float rotation_degrees) : radius_(r
 // the density is proportional to the distance from the centre and uniform along the edge.
 Vec2 Aperture::sample_polygon(Vec2 u) const {
   const std::size_t edges = corners_.size() - 1;
-  const PolarPoint point = sample_disk_polar(u);
+  const sampling::PolarPoint point = sampling::sample_disk_polar(u);
   const float along = point.turns * static_cast<float>(edges);
   const std::size_t edge = std::min(static_cast<std::size_t>(along), edges - 1);
   const Vec2 a = corners_[edge], b = corners_[edge + 1];

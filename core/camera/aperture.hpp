@@ -26,7 +26,7 @@ class Aperture {
   // A uniform point on the area; the map is continuous. `u` is in [0, 1)^2. T is float or FloatN.
   template <typename T = float>
   Vec2Of<T> sample(Vec2Of<T> u) const {
-    if (corners_.empty()) return sample_disk(u) * T(radius_);
+    if (corners_.empty()) return sampling::sample_disk(u) * T(radius_);
     return sample_polygon(u);
   }
 

@@ -9,7 +9,7 @@
 #include "core/math/octahedral_map.hpp"
 #include "core/math/simd_double.hpp"
 
-namespace tessera::core {
+namespace tessera::core::guiding {
 namespace {
 
 // Squares with fewer examples are not divided.
@@ -210,4 +210,4 @@ template DirectionTrees::DirectionOf<float> DirectionTrees::sample_or(std::uint3
 template DirectionTrees::DirectionOf<FloatN> DirectionTrees::sample_or(U32xN, MaskN, Vec2Of<FloatN>,
                                                                        Vec3Of<FloatN>) const;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::guiding

@@ -12,7 +12,7 @@
 #include "core/math/row_lookup.hpp"
 #include "core/math/vec3.hpp"
 
-namespace tessera::core {
+namespace tessera::core::guiding {
 
 // An example of incident light.
 struct DirectedLight {
@@ -74,4 +74,4 @@ class DirectionTrees {
   std::vector<Block> blocks_;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::guiding

@@ -10,7 +10,7 @@
 #include "core/base/parallel_errors.hpp"
 #include "core/math/simd_double.hpp"
 
-namespace tessera::core {
+namespace tessera::core::guiding {
 namespace {
 
 // Cells with more photons are divided; cells with fewer are not reliable.
@@ -287,4 +287,4 @@ template DirectionTrees::DirectionOf<float> LightGuide::sample_or(const Guidance
 template DirectionTrees::DirectionOf<FloatN> LightGuide::sample_or(const GuidanceOf<FloatN>&, MaskN,
                                                                    Vec2Of<FloatN>, Vec3Of<FloatN>) const;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::guiding

@@ -14,7 +14,7 @@
 #include "core/geometry/aabb.hpp"
 #include "core/guiding/direction_tree.hpp"
 
-namespace tessera::core {
+namespace tessera::core::guiding {
 
 // Light that arrived at a surface.
 struct Photon {
@@ -91,4 +91,4 @@ class LightGuide {
   DirectionTrees trees_;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::guiding

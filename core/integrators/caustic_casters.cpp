@@ -9,7 +9,7 @@
 #include "core/math/elementary.hpp"
 #include "core/sampling/warp.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // Rougher surfaces spread light so widely, and surfaces with a stronger diffuse part scatter so much light,
@@ -40,7 +40,7 @@ struct ShapePoint {
 ShapePoint sample_shape(const Primitives& shapes, std::uint32_t primitive, Vec2 u) {
   if (shapes.is_sphere(primitive)) {
     const Sphere& sphere = shapes.sphere(primitive);
-    const Vec3 direction = sample_sphere(u);
+    const Vec3 direction = sampling::sample_sphere(u);
     return {sphere.center + direction * sphere.radius, Vec3d(direction)};
   }
   if (shapes.is_disk(primitive)) {
@@ -55,7 +55,7 @@ ShapePoint sample_shape(const Primitives& shapes, std::uint32_t primitive, Vec2 
     return {cylinder.position(u).rounded(), cross(along_u, along_v)};
   }
   const auto [p0, p1, p2] = shapes.triangle_corners(primitive);
-  const Vec2 b = sample_triangle(u);
+  const Vec2 b = sampling::sample_triangle(u);
   return {p0 * (1 - b.x - b.y) + p1 * b.x + p2 * b.y, cross(Vec3d(p1) - Vec3d(p0), Vec3d(p2) - Vec3d(p0))};
 }
 
@@ -93,7 +93,7 @@ CausticCasters::CausticCasters(const Scene& scene) : scene_(scene) {
     if (is_new) entry->second = add_list(all.object_of(instance), instance.material);
     add_group(i, entry->second, mean_area_scale(instance.placement.map()));
   }
-  if (!weights.empty()) by_weight_ = DiscreteDistribution(weights);
+  if (!weights.empty()) by_weight_ = sampling::DiscreteDistribution(weights);
 }
 
 // Lists the casters among shapes that have the material `shown`, or their own.
@@ -108,7 +108,7 @@ std::uint32_t CausticCasters::add_list(const Primitives& shapes, std::uint32_t s
     areas.push_back(area);
     list.area += area;
   }
-  if (!areas.empty()) list.by_area = DiscreteDistribution(areas);
+  if (!areas.empty()) list.by_area = sampling::DiscreteDistribution(areas);
   lists_.push_back(std::move(list));
   return static_cast<std::uint32_t>(lists_.size() - 1);
 }
@@ -126,4 +126,4 @@ CausticCasters::Place CausticCasters::sample(double u_choice, Vec2 u) const {
           per_area * area_scale(map, normal)};
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

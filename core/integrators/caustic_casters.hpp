@@ -9,7 +9,7 @@
 #include "core/sampling/distribution.hpp"
 #include "core/scene/scene.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 class CausticCasters {
  public:
@@ -33,7 +33,7 @@ class CausticCasters {
   struct List {
     const Primitives* shapes;
     std::vector<std::uint32_t> primitives{};
-    DiscreteDistribution by_area{};  // of `primitives`, in proportion to area
+    sampling::DiscreteDistribution by_area{};  // of `primitives`, in proportion to area
     double area = 0;
   };
   struct Group {
@@ -47,8 +47,8 @@ class CausticCasters {
   std::vector<bool> casts_;  // for each material
   std::vector<List> lists_;
   std::vector<Group> groups_;
-  DiscreteDistribution by_weight_;  // of groups_
-  double weight_ = 0;               // of all groups
+  sampling::DiscreteDistribution by_weight_;  // of groups_
+  double weight_ = 0;                         // of all groups
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

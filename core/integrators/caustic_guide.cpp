@@ -17,7 +17,7 @@
 #include "core/sampling/sampler.hpp"
 #include "core/sampling/warp.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 constexpr int kMaxBounces = 12;
@@ -43,19 +43,20 @@ constexpr std::uint64_t ray_name(int ray) {
 constexpr float kGuideTime = 0.5f;
 
 // Samples one light; visibility is not tested. `pdf` includes the choice of the light.
-std::optional<LightSample> sample_any_light(const Scene& scene, const LightSampler& lights,
-                                            const LightSampleContext& point, const std::array<float, 4>& u) {
+std::optional<lights::LightSample> sample_any_light(const Scene& scene, const lights::LightSampler& lights,
+                                                    const lights::LightSampleContext& point,
+                                                    const std::array<float, 4>& u) {
   const auto choice = lights.sample(point, combine_uniforms(u[2], u[3]));
-  if (choice.light == kNoLight) return std::nullopt;
+  if (choice.light == lights::kNoLight) return std::nullopt;
   auto light = sample_light(scene.lights()[choice.light], scene.textures(), point, {u[0], u[1]},
-                            MisCompensation::kOff, kGuideTime);
+                            lights::MisCompensation::kOff, kGuideTime);
   if (light) light->pdf *= choice.pmf;
   return light;
 }
 
 class PhotonTracer {
  public:
-  PhotonTracer(const Scene& scene, const LightSampler& lights, const CausticCasters& casters,
+  PhotonTracer(const Scene& scene, const lights::LightSampler& lights, const CausticCasters& casters,
                std::uint32_t paths)
       : scene_(scene),
         lights_(lights),
@@ -64,8 +65,8 @@ class PhotonTracer {
         beyond_scene_(static_cast<float>(3 * scene.primitives().bounding_radius())) {}
 
   // Appends the photons that path `index` deposits.
-  void trace(std::uint32_t index, std::vector<Photon>& photons) const {
-    const Sampler sampler(kSeed, 0, kPhotonRow, index);
+  void trace(std::uint32_t index, std::vector<guiding::Photon>& photons) const {
+    const sampling::Sampler sampler(kSeed, 0, kPhotonRow, index);
     const auto first = begin(sampler);
     if (!first) return;
     auto [origin, ray, hit, enclosure, flux, radiance, straight] = *first;
@@ -73,8 +74,9 @@ class PhotonTracer {
     PanePassage panes;
     float wavelength_nm = 0;
     for (int bounce = 0; bounce < kMaxBounces && hit.found() && luminance(flux) > 0; ++bounce) {
-      const PathVertex vertex(scene_, ray, hit, enclosure.boundary,
-                              wavelength_in(scene_, wavelength_nm, sampler, wavelength_pad(bounce)));
+      const PathVertex vertex(
+          scene_, ray, hit, enclosure.boundary,
+          wavelength_in(scene_, wavelength_nm, sampler, sampling::wavelength_pad(bounce)));
       const float distance = length(vertex.position() - origin);
       if (!casters_.contain(hit) && !vertex.is_delta() && distance > 0)
         photons.push_back({vertex.position(), vertex.side_normal(), vertex.wo(), distance, luminance(flux),
@@ -147,7 +149,7 @@ class PhotonTracer {
 
   // Starts at the caster and samples a light as next-event estimation does, so that all photons reach even
   // a small lens in a large scene.
-  std::optional<First> begin(const Sampler& sampler) const {
+  std::optional<First> begin(const sampling::Sampler& sampler) const {
     const auto u = sampler.pad(kPlacePad);
     const auto [primitive, instance, position, inverse_density] =
         casters_.sample(combine_uniforms(u[0], u[1]), {u[2], u[3]});
@@ -173,7 +175,7 @@ class PhotonTracer {
   }
 
   const Scene& scene_;
-  const LightSampler& lights_;
+  const lights::LightSampler& lights_;
   const CausticCasters& casters_;
   std::uint32_t paths_;
   float beyond_scene_;
@@ -181,13 +183,13 @@ class PhotonTracer {
 
 // A single-sample estimate of irradiance from indirect light, except paths of only specular scattering;
 // found by next-event estimation from the second vertex on.
-float probe_other_light(const Scene& scene, const LightSampler& lights, const Photon& place,
+float probe_other_light(const Scene& scene, const lights::LightSampler& lights, const guiding::Photon& place,
                         std::uint32_t n) {
-  const Sampler sampler(kSeed, 0, kProbeRow, n);
-  const auto u = sampler.pad(scatter_pad(0));
+  const sampling::Sampler sampler(kSeed, 0, kProbeRow, n);
+  const auto u = sampler.pad(sampling::scatter_pad(0));
   const Vec3 a = abs(place.position);
   Ray ray{place.position + place.side_normal * (1e-5f * std::max({a.x, a.y, a.z})),
-          Frame::around(place.side_normal).to_world(sample_cosine_hemisphere({u[0], u[1]})),
+          Frame::around(place.side_normal).to_world(sampling::sample_cosine_hemisphere({u[0], u[1]})),
           std::numeric_limits<float>::infinity(), kGuideTime};
   Rgb throughput = Rgb::gray(kPi), found;
   Enclosure enclosure;
@@ -199,10 +201,10 @@ float probe_other_light(const Scene& scene, const LightSampler& lights, const Ph
     throughput *= tint;
     const PathVertex vertex(scene, from, hit, enclosure.boundary);
     if (!vertex.is_delta())
-      if (const auto light =
-              sample_any_light(scene, lights, vertex.light_context(), sampler.pad(light_pad(depth))))
+      if (const auto light = sample_any_light(scene, lights, vertex.light_context(),
+                                              sampler.pad(sampling::light_pad(depth))))
         found += throughput * reflected_light(scene, vertex, *light, enclosure, uncounted) / light->pdf;
-    const auto v = sampler.pad(scatter_pad(depth));
+    const auto v = sampler.pad(sampling::scatter_pad(depth));
     const auto next = vertex.sample({v[0], v[1]}, v[2]);
     if (!next) break;
     throughput *= next->weight;
@@ -214,13 +216,13 @@ float probe_other_light(const Scene& scene, const LightSampler& lights, const Ph
 
 }  // namespace
 
-std::vector<Photon> trace_caustic_photons(const Scene& scene, const LightSampler& lights, int threads,
-                                          std::uint32_t photon_paths) {
+std::vector<guiding::Photon> trace_caustic_photons(const Scene& scene, const lights::LightSampler& lights,
+                                                   int threads, std::uint32_t photon_paths) {
   assert(photon_paths % kPhotonPathsAtOnce == 0);
   const CausticCasters casters(scene);
   if (casters.empty() || lights.empty()) return {};
   const PhotonTracer tracer(scene, lights, casters, photon_paths);
-  std::vector<std::vector<Photon>> parts(photon_paths / kPhotonPathsAtOnce);
+  std::vector<std::vector<guiding::Photon>> parts(photon_paths / kPhotonPathsAtOnce);
   ParallelErrors errors;
 #pragma omp parallel for num_threads(threads) schedule(dynamic)
   for (std::uint32_t part = 0; part < parts.size(); ++part) {
@@ -230,20 +232,20 @@ std::vector<Photon> trace_caustic_photons(const Scene& scene, const LightSampler
     });
   }
   errors.rethrow();
-  std::vector<Photon> photons;
+  std::vector<guiding::Photon> photons;
   for (const auto& part : parts)
-    std::copy_if(part.begin(), part.end(), std::back_inserter(photons), [](const Photon& photon) {
+    std::copy_if(part.begin(), part.end(), std::back_inserter(photons), [](const guiding::Photon& photon) {
       return photon.flux > 0 && std::isfinite(photon.flux) && std::isfinite(photon.radiance);
     });
   return photons;
 }
 
-LightGuide build_caustic_guide(const Scene& scene, const LightSampler& lights,
-                               std::span<const Photon> photons, int threads) {
-  const auto other_light = [&](const Photon& place, std::uint32_t n) {
+guiding::LightGuide build_caustic_guide(const Scene& scene, const lights::LightSampler& lights,
+                                        std::span<const guiding::Photon> photons, int threads) {
+  const auto other_light = [&](const guiding::Photon& place, std::uint32_t n) {
     return probe_other_light(scene, lights, place, n);
   };
-  return LightGuide::build(photons, other_light, threads);
+  return guiding::LightGuide::build(photons, other_light, threads);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -11,18 +11,18 @@
 #include "core/lights/light_sampler.hpp"
 #include "core/scene/scene.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // The number of photon paths of every render; each deposits any number of photons.
 inline constexpr std::uint32_t kPhotonPaths = 1u << 17, kPhotonPathsAtOnce = 1u << 10;
 
 // The guide of a scene without media; empty if the scene has no caustics. `lights` samples all lights. Takes
 // some tenths of a second with up to `threads` threads; the result does not depend on `threads`.
-LightGuide build_caustic_guide(const Scene& scene, const LightSampler& lights,
-                               std::span<const Photon> photons, int threads);
+guiding::LightGuide build_caustic_guide(const Scene& scene, const lights::LightSampler& lights,
+                                        std::span<const guiding::Photon> photons, int threads);
 
 // Traces the photons from which the guide is built. `photon_paths` is a multiple of kPhotonPathsAtOnce.
-std::vector<Photon> trace_caustic_photons(const Scene& scene, const LightSampler& lights, int threads,
-                                          std::uint32_t photon_paths = kPhotonPaths);
+std::vector<guiding::Photon> trace_caustic_photons(const Scene& scene, const lights::LightSampler& lights,
+                                                   int threads, std::uint32_t photon_paths = kPhotonPaths);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

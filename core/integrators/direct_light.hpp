@@ -7,7 +7,7 @@
 #include "core/integrators/vertex.hpp"
 #include "core/lights/light_sample.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // A number in [0, 1) with 48 bits from two of 24, so that weak lights among strong ones can be sampled.
 inline double combine_uniforms(float coarse, float fine) {
@@ -16,7 +16,7 @@ inline double combine_uniforms(float coarse, float fine) {
 
 // The light reflected along wo from the light's radiance: BSDF * cosine * radiance, not yet divided by the
 // density. `enclosure` is that of the vertex.
-inline Rgb reflected_light(const Scene& scene, const PathVertex& vertex, const LightSample& light,
+inline Rgb reflected_light(const Scene& scene, const PathVertex& vertex, const lights::LightSample& light,
                            const Enclosure& enclosure, RenderCounters& counters) {
   const Rgb scattered = vertex.evaluate(light.wi).value;
   if (is_black(scattered)) return {};
@@ -24,4 +24,4 @@ inline Rgb reflected_light(const Scene& scene, const PathVertex& vertex, const L
   return is_black(share) ? Rgb{} : scattered * light.radiance * share;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -15,7 +15,7 @@
 #include "core/integrators/render.hpp"
 #include "core/textures/image_decoder.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // An environment map in linear floats with clouds and a sun, black below the horizon.
@@ -294,4 +294,4 @@ std::string determinism_fingerprint() {
   return fmt::format("{:016x}", XXH3_64bits(sums.data(), sums.size() * sizeof(sums[0])));
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -6,7 +6,7 @@
 
 #include "core/scene/description.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // A scene with every kind of light, the materials and shapes that batches shade, and a texture decoded from
 // JPEG.
@@ -17,4 +17,4 @@ SceneDescription fingerprint_scene();
 // fingerprints render the same bytes, as far as these scenes can tell. Takes some tenths of a second.
 std::string determinism_fingerprint();
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

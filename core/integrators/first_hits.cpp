@@ -6,7 +6,7 @@
 #include "core/integrators/vertex.hpp"
 #include "core/materials/base_color.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // `ray` begins behind the last surface that it passed, and `origin` is that of the camera ray.
@@ -37,18 +37,18 @@ FirstHit describe(const Scene& scene, const Ray& ray, const Hit& hit, Vec3 origi
 }  // namespace
 
 std::uint64_t find_first_hits(const Scene& scene, std::span<const Ray> camera_rays,
-                              std::span<const Sampler* const> samplers, std::span<FirstHit> hits) {
+                              std::span<const sampling::Sampler* const> samplers, std::span<FirstHit> hits) {
   Columns<Ray> rays(camera_rays);
   Columns<Hit> met(rays.size());
   scene.bvh().closest_hits(scene.primitives(), rays.all(), met.all());
   std::uint64_t traced = rays.size();
   // The camera ray is ray 0 of a sample for every integrator: the path of depth 0, the root of the tree.
-  static_assert(kTreeRoot == 0);
+  static_assert(sampling::kTreeRoot == 0);
   std::vector<Enclosure> enclosures(scene.is_opaque() ? 0 : rays.size());
   if (!scene.is_opaque())
     traced += pass_by_chance(
-        scene, RayOrigin::kCamera, rays.all(), met.all(), [](std::uint32_t) { return kTreeRoot; },
-        [&](std::uint32_t i) -> const Sampler& { return *samplers[i]; },
+        scene, RayOrigin::kCamera, rays.all(), met.all(), [](std::uint32_t) { return sampling::kTreeRoot; },
+        [&](std::uint32_t i) -> const sampling::Sampler& { return *samplers[i]; },
         [&](std::uint32_t i) -> Enclosure& { return enclosures[i]; },
         [](std::uint32_t, const Ray&, const Hit&, const Crossing&) {});
   for (std::size_t i = 0; i < rays.size(); ++i)
@@ -56,4 +56,4 @@ std::uint64_t find_first_hits(const Scene& scene, std::span<const Ray> camera_ra
   return traced;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -15,7 +15,7 @@
 #include "core/sampling/sampler.hpp"
 #include "core/scene/scene.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // The layers that need first hits.
 inline const LayerSet kSurfaceLayers = LayerSet{}
@@ -45,6 +45,6 @@ struct FirstHit {
 // The first hit of each camera ray, which belongs to the sample of the same place. Returns the number of rays
 // traced.
 std::uint64_t find_first_hits(const Scene& scene, std::span<const Ray> rays,
-                              std::span<const Sampler* const> samplers, std::span<FirstHit> hits);
+                              std::span<const sampling::Sampler* const> samplers, std::span<FirstHit> hits);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

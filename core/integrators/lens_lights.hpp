@@ -18,7 +18,7 @@
 #include "core/scene/scene.hpp"
 #include "core/scene/settings.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 class LensLights {
  public:
@@ -56,7 +56,7 @@ class LensLights {
                                     const std::array<float, 4>& u) const;
 
   const Scene* scene_ = nullptr;
-  LightTree tree_;
+  lights::LightTree tree_;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -9,7 +9,7 @@
 
 #include "core/math/rgb.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 struct LightParts {
   // Where light that reaches the camera without being scattered comes from.
@@ -36,4 +36,4 @@ struct LightParts {
   }
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -7,7 +7,7 @@
 #include "core/integrators/vertex.hpp"
 #include "core/materials/blend.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 std::optional<Ray> rest_of(const Ray& whole, const SurfacePoint& surface) {
   const Vec3 origin = offset_origin(surface, whole.direction);
@@ -60,7 +60,7 @@ Crossing crossing_at(const Scene& scene, RayOrigin origin, const Ray& ray, const
   return {material, surface, stopped, transmittance, emits_in_passing(*material)};
 }
 
-Met meet_by_chance(const Scene& scene, RayOrigin origin, const Ray& ray, const Sampler& sampler,
+Met meet_by_chance(const Scene& scene, RayOrigin origin, const Ray& ray, const sampling::Sampler& sampler,
                    std::uint64_t name, Enclosure& enclosure, const OnPass& on_pass) {
   Met met{ray, scene.bvh().closest_hit(scene.primitives(), ray)};
   if (scene.is_opaque() || !met.hit.found()) return met;
@@ -68,7 +68,7 @@ Met meet_by_chance(const Scene& scene, RayOrigin origin, const Ray& ray, const S
   SingleRow found(met.hit);
   met.traced += pass_by_chance(
       scene, origin, segment.all(), found.all(), [&](std::uint32_t) { return name; },
-      [&](std::uint32_t) -> const Sampler& { return sampler; },
+      [&](std::uint32_t) -> const sampling::Sampler& { return sampler; },
       [&](std::uint32_t) -> Enclosure& { return enclosure; },
       [&](std::uint32_t, const Ray& passing, const Hit& hit, const Crossing& crossing) {
         if (on_pass) on_pass(passing, hit, crossing, met.tint);
@@ -104,4 +104,4 @@ Rgb transmittance(const Scene& scene, const Ray& ray, Enclosure enclosure, std::
   return share;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -16,7 +16,7 @@
 #include "core/sampling/sampler.hpp"
 #include "core/scene/scene.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // The maximum number of surfaces that a ray crosses. The next one is treated as opaque, so that every ray
 // ends.
@@ -118,7 +118,7 @@ struct Met {
 // Is called for each surface that a ray passes, with the tint of those before it.
 using OnPass = std::function<void(const Ray& ray, const Hit& hit, const Crossing& crossing, Rgb tint)>;
 // Traces one ray stochastically, as pass_by_chance does.
-Met meet_by_chance(const Scene& scene, RayOrigin origin, const Ray& ray, const Sampler& sampler,
+Met meet_by_chance(const Scene& scene, RayOrigin origin, const Ray& ray, const sampling::Sampler& sampler,
                    std::uint64_t name, Enclosure& enclosure, const OnPass& on_pass = {});
 
 // Stores the transmittance along each shadow ray rays[i], which begins at enclosures[i], in shares[i]. The
@@ -128,4 +128,4 @@ std::uint64_t find_transmittances(const Scene& scene, ColumnsView<const Ray> ray
 // The transmittance of one ray. Adds the number of rays traced to `traced`.
 Rgb transmittance(const Scene& scene, const Ray& ray, Enclosure enclosure, std::uint64_t& traced);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // How light, or a path against it, has passed panes so far.
 struct PanePassage {
@@ -22,4 +22,4 @@ struct PanePassage {
   std::uint32_t surfaces = 0, reflections = 0;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

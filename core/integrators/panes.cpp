@@ -6,7 +6,7 @@
 
 #include "core/integrators/vertex.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // Below this share of the photons' light, looking for straight light takes more time than it saves.
@@ -63,16 +63,16 @@ Rgb straight_transmittance(const Scene& scene, const Ray& ray, const Hit& hit, i
 }
 
 // Light samples do not look for panes behind surfaces of partial opacity or among nested dielectrics.
-bool remove_straight(const Scene& scene, std::vector<Photon>& photons) {
+bool remove_straight(const Scene& scene, std::vector<guiding::Photon>& photons) {
   if (!scene.is_opaque()) return false;
   float all = 0, straight = 0;
-  for (const Photon& photon : photons) {
+  for (const guiding::Photon& photon : photons) {
     all += photon.flux;
     if (photon.straight) straight += photon.flux;
   }
   if (!(straight > kMinStraightShare * all)) return false;
-  std::erase_if(photons, [](const Photon& photon) { return photon.straight; });
+  std::erase_if(photons, [](const guiding::Photon& photon) { return photon.straight; });
   return true;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

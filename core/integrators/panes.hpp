@@ -15,7 +15,7 @@
 #include "core/math/rgb.hpp"
 #include "core/scene/scene.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // Whether the material may be that of a pane, where its surface is smooth: glass of one index for all
 // wavelengths.
@@ -36,6 +36,6 @@ Rgb straight_transmittance(const Scene& scene, const Ray& ray, const Hit& hit, i
 
 // Whether enough of the light of the photons is straight for light samples to look for it. If so, removes
 // these photons.
-bool remove_straight(const Scene& scene, std::vector<Photon>& photons);
+bool remove_straight(const Scene& scene, std::vector<guiding::Photon>& photons);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -11,10 +11,10 @@
 #include "core/integrators/path_weights.hpp"
 #include "core/math/lane_array.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
-PathTracer::PathTracer(const RenderPlan& plan, std::span<const Sampler> samplers, std::span<Rgb> radiance,
-                       std::span<LightParts> parts)
+PathTracer::PathTracer(const RenderPlan& plan, std::span<const sampling::Sampler> samplers,
+                       std::span<Rgb> radiance, std::span<LightParts> parts)
     : scene_(plan.scene()),
       settings_(plan.settings()),
       light_sampler_(plan.light_sampler()),
@@ -42,7 +42,8 @@ void PathTracer::begin(const RayOf<FloatN>& rays, std::span<const std::uint32_t>
   begun.fill(kBegun);
   begun.put(&PathState::ray, rays);
   begun.put(&PathState::path, Paths::rows_of(paths).all());
-  if (lens_lights_ != nullptr) begun.field(&PathState::last).put(&LightSampleContext::position, focuses);
+  if (lens_lights_ != nullptr)
+    begun.field(&PathState::last).put(&lights::LightSampleContext::position, focuses);
   for (const std::uint32_t path : paths) {
     radiance_[path] = {};
     depths_[path] = 0;
@@ -98,7 +99,7 @@ void PathTracer::pass_through_surfaces(RenderCounters& counters, int depth) {
   counters.closest_hit_rays += pass_by_chance(
       scene_, origin_at_depth(depth), batch_.field(&PathState::ray), hits_.all().rows(0, count),
       [&](std::uint32_t slot) { return std::uint64_t{depths_[path_in(slot)]}; },
-      [&](std::uint32_t slot) -> const Sampler& { return samplers_[path_in(slot)]; }, enclosure_of,
+      [&](std::uint32_t slot) -> const sampling::Sampler& { return samplers_[path_in(slot)]; }, enclosure_of,
       [&](std::uint32_t slot, const Ray& ray, const Hit& hit, const Crossing& met) {
         if (met.emits) add_passed_emission({batch_, slot}, ray, hit, met.surface, depth);
         throughputs.set(slot, throughputs[slot] * met.tint());
@@ -140,18 +141,19 @@ void PathTracer::add_indirect(std::uint32_t path) {
 
 // The random numbers for a decision at these paths' vertices; `pad_at` returns their pad, by depth.
 std::array<FloatN, 4> PathTracer::numbers(const Paths& paths, int depth, std::uint32_t (*pad_at)(int)) const {
-  if (depth < static_cast<int>(kListsByDepth)) return Sampler::pads(paths.of(samplers_), pad_at(depth));
+  if (depth < static_cast<int>(kListsByDepth))
+    return sampling::Sampler::pads(paths.of(samplers_), pad_at(depth));
   std::array<std::uint32_t, kLaneCount> pads;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) pads[lane] = pad_at(depths_[paths.path[lane]]);
-  return Sampler::pads(paths.of(samplers_), pads);
+  return sampling::Sampler::pads(paths.of(samplers_), pads);
 }
 
 void PathTracer::find_wavelengths(Paths& paths, int depth) const {
   const unsigned lanes = paths.dispersive_lanes();
   if (lanes == 0) return;
   paths.disperses_light = MaskN::from_bits(lanes);
-  paths.light =
-      wavelengths_at(paths.states.all(&PathState::wavelength_nm), numbers(paths, depth, wavelength_pad)[0]);
+  paths.light = wavelengths_at(paths.states.all(&PathState::wavelength_nm),
+                               numbers(paths, depth, sampling::wavelength_pad)[0]);
 }
 
 void PathTracer::shade(Kernel kernel, const Paths& paths, int depth) {
@@ -179,7 +181,7 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
     const Hit hit = paths.hits[lane];
     const std::uint32_t light = scene_.light_of(hit);
-    if (light == kNoLight) continue;
+    if (light == lights::kNoLight) continue;
     const Vec2Of<FloatN>& uv = vertices.surface().uv;
     const Vec2 uv_of_lane{FloatLanes(uv.x)[lane], FloatLanes(uv.y)[lane]};
     add_emission(paths.states.at(lane),
@@ -211,7 +213,7 @@ struct PathTracer::Directions {
 // Continues the paths that survive.
 template <typename Vertices>
 void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance, int depth) {
-  const auto u = numbers(paths, depth, scatter_pad);
+  const auto u = numbers(paths, depth, sampling::scatter_pad);
   const Directions next = choose_directions(vertices, guidance, {u[0], u[1]}, u[2]);
   RgbOf<FloatN> throughput = paths.throughput * next.weight;
   const FloatN eta_scale = paths.eta_scale * (next.eta * next.eta),
@@ -305,4 +307,4 @@ PathTracer::Directions PathTracer::choose_directions(const Vertices& vertices, c
   return next;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

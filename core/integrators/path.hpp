@@ -23,7 +23,7 @@
 #include "core/sampling/sampler.hpp"
 #include "core/scene/scene.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // The maximum depth of a path, needed between perfect mirrors, where Russian roulette ends no path.
 inline constexpr int kMaxPathDepth = 4096;
@@ -34,7 +34,7 @@ class PathTracer {
  public:
   // Path i uses the random numbers of samplers[i], and its result is added to radiance[i], and divided to
   // parts[i] if there are any. Keeps references.
-  PathTracer(const RenderPlan& plan, std::span<const Sampler> samplers, std::span<Rgb> radiance,
+  PathTracer(const RenderPlan& plan, std::span<const sampling::Sampler> samplers, std::span<Rgb> radiance,
              std::span<LightParts> parts = {});
 
   // Starts path paths[i], which must not be active, with the camera ray in lane i, for up to kLaneCount of
@@ -92,7 +92,7 @@ class PathTracer {
   void put_times(const Paths& paths, const NewRows<Ray>& rays) const;
   // How paths are scattered at their vertices.
   struct Scattering {
-    LightSampleContexts context;
+    lights::LightSampleContexts context;
     Vec3Of<FloatN> wi;
     FloatN bsdf_pdf, emitter_mis_scale;
     MaskN delta, refracted, inside;  // inside: they arrive at the back of the surface
@@ -109,7 +109,7 @@ class PathTracer {
   float camera_ray_weight(RowView<PathState> state, const EmitterHit& hit, float light_pdf) const;
   template <typename Pdf>
   float emitter_hit_weight(std::uint32_t light, RowView<PathState> state, Pdf pdf) const;
-  using Guidance = LightGuide::GuidanceOf<FloatN>;
+  using Guidance = guiding::LightGuide::GuidanceOf<FloatN>;
   template <typename Vertices>
   Guidance guidance_at(const Vertices& vertices) const;
   template <typename Vertices>
@@ -135,13 +135,13 @@ class PathTracer {
 
   const Scene& scene_;
   const RenderSettings settings_;
-  const LightSampler& light_sampler_;
-  const MisCompensation compensation_;
-  const LightGuide* const guide_;        // null if there is none
-  const bool through_panes_;             // RenderPlan::samples_through_panes()
-  const LensLights* const lens_lights_;  // null if there are none
+  const lights::LightSampler& light_sampler_;
+  const lights::MisCompensation compensation_;
+  const guiding::LightGuide* const guide_;  // null if there is none
+  const bool through_panes_;                // RenderPlan::samples_through_panes()
+  const LensLights* const lens_lights_;     // null if there are none
 
-  const std::span<const Sampler> samplers_;
+  const std::span<const sampling::Sampler> samplers_;
   const std::span<Rgb> radiance_;
   const std::span<LightParts> parts_;  // empty, or one for each path
   // Waiting paths by depth; never empty. Two more lists, for even and odd depths, hold paths with a depth
@@ -164,4 +164,4 @@ class PathTracer {
   std::array<std::uint8_t, kBatchPaths> occluded_;  // of connections_
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -10,29 +10,29 @@
 #include "core/integrators/path_weights.hpp"
 #include "core/math/lane_array.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // Samples a light for each vertex, and evaluates what the vertex reflects of it along the path.
 template <typename Vertices>
 void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices, FloatN guide_share,
                                    unsigned lit, int depth) {
-  const auto u = numbers(paths, depth, light_pad);
+  const auto u = numbers(paths, depth, sampling::light_pad);
   const FloatLanes coarse(u[2]), fine(u[3]);
   std::array<double, kLaneCount> u_light;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane)
     u_light[lane] = combine_uniforms(coarse[lane], fine[lane]);
-  const LightSampleContexts light_contexts{vertices.position(), vertices.light_normal()};
+  const lights::LightSampleContexts light_contexts{vertices.position(), vertices.light_normal()};
   const auto choices = light_sampler_.sample(light_contexts, u_light, lit, compensation_);
-  std::array<const Light*, kLaneCount> chosen{};
+  std::array<const lights::Light*, kLaneCount> chosen{};
   WordLanes of_lights;
   FloatLanes pmf;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     const auto& [light, chance] = choices[lane];
-    if ((lit >> lane & 1) != 0 && light != kNoLight) chosen[lane] = &scene_.lights()[light];
+    if ((lit >> lane & 1) != 0 && light != lights::kNoLight) chosen[lane] = &scene_.lights()[light];
     of_lights.set(lane, light);
     pmf.set(lane, chance);
   }
-  const LightSamples lights =
+  const lights::LightSamples lights =
       sample_lights(chosen, scene_.textures(), light_contexts, {u[0], u[1]}, compensation_,
                     scene_.has_motion() ? paths.rays.all(&Ray::time) : 0.0f);
   const BsdfValueOf<FloatN> scattered = vertices.evaluate(lights.wi);
@@ -99,4 +99,4 @@ void PathTracer::add_transmitted(RenderCounters& counters, int depth) {
       add(of_rays[k].path, of_rays[k].radiance * shares[k], depth + 1, of_rays[k].light);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

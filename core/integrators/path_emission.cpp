@@ -5,16 +5,16 @@
 #include "core/integrators/path_weights.hpp"
 #include "core/math/lane_array.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // Adds the environment's radiance to escaped rays.
 void PathTracer::add_environment(const Paths& paths, int depth) {
   for (std::size_t lane = 0; depth == 0 && !parts_.empty() && lane < paths.count; ++lane)
     parts_[paths.path[lane]].escaped = true;
   const std::uint32_t light = scene_.environment_light();
-  if (light == kNoLight || (depth == 0 && !scene_.environment().visible_to_camera())) return;
-  const LightSampleContexts last = paths.states.all(&PathState::last);
-  const Environment::Seen seen =
+  if (light == lights::kNoLight || (depth == 0 && !scene_.environment().visible_to_camera())) return;
+  const lights::LightSampleContexts last = paths.states.all(&PathState::last);
+  const lights::Environment::Seen seen =
       scene_.environment().see(last.normal, paths.rays.all(&Ray::direction), compensation_);
   const RgbLanes radiance(seen.radiance);
   const FloatLanes pdf(seen.pdf);
@@ -30,7 +30,7 @@ void PathTracer::add_environment(const Paths& paths, int depth) {
 
 // Adds emission hit by the ray itself.
 void PathTracer::add_emission(RowView<PathState> state, const EmitterHit& hit, int depth) {
-  scene_.with_area_light(hit.light, hit.time, [&](const AreaLight& area) {
+  scene_.with_area_light(hit.light, hit.time, [&](const lights::AreaLight& area) {
     const auto pdf = [&] { return area.pdf(state.get(&PathState::last).position, hit.position); };
     const float weight = depth == 0 && lens_lights_ != nullptr ? camera_ray_weight(state, hit, pdf())
                                                                : emitter_hit_weight(hit.light, state, pdf);
@@ -46,7 +46,7 @@ void PathTracer::add_emission(RowView<PathState> state, const EmitterHit& hit, i
 void PathTracer::add_passed_emission(RowView<PathState> state, const Ray& ray, const Hit& hit,
                                      const SurfacePoint& surface, int depth) {
   const std::uint32_t light = scene_.light_of(hit);
-  if (light == kNoLight) return;
+  if (light == lights::kNoLight) return;
   add_emission(state,
                {surface.position, scene_.primitives().uv_sets(hit, surface.uv), normalize(-ray.direction),
                 light, ray.time},
@@ -74,4 +74,4 @@ float PathTracer::emitter_hit_weight(std::uint32_t light, RowView<PathState> sta
   return scale * mis_weight(settings_.heuristic, last_pdf, pmf * pdf());
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

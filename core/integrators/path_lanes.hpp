@@ -10,7 +10,7 @@
 #include "core/integrators/path_wavelength.hpp"
 #include "core/math/lane_array.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // With fewer than kLaneCount paths, the other lanes repeat the first.
 struct PathTracer::Paths {
@@ -46,8 +46,8 @@ struct PathTracer::Paths {
       if (depths[path[lane]] >= max_depth) continuing &= ~(1u << lane);
   }
 
-  std::array<const Sampler*, kLaneCount> of(std::span<const Sampler> samplers) const {
-    std::array<const Sampler*, kLaneCount> of_lanes;
+  std::array<const sampling::Sampler*, kLaneCount> of(std::span<const sampling::Sampler> samplers) const {
+    std::array<const sampling::Sampler*, kLaneCount> of_lanes;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) of_lanes[lane] = &samplers[path[lane]];
     return of_lanes;
   }
@@ -76,4 +76,4 @@ struct PathTracer::Paths {
   MaskN disperses_light = false;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -9,7 +9,7 @@
 #include "core/integrators/path_weights.hpp"
 #include "core/math/lane_array.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // Overwrites the columns that stay those of the vertex before the panes. A part of a blend is no pane, as in
 // PaneWalk.
@@ -30,7 +30,7 @@ void PathTracer::put_straight(const Paths& paths, const Scattering& at, const Ne
   }
   const MaskN passes = MaskN::from_bits(passing),
               starts = MaskN::from_bits(passes_panes_at(depth) ? ~delta & ((1u << kLaneCount) - 1) : 0);
-  const LightSampleContexts last = paths.states.all(&PathState::last);
+  const lights::LightSampleContexts last = paths.states.all(&PathState::last);
   states.put(&PathState::last, {select(passes, last.position, at.context.position),
                                 select(passes, last.normal, at.context.normal)});
   states.put(&PathState::emitter_mis_scale,
@@ -47,14 +47,15 @@ void PathTracer::put_straight(const Paths& paths, const Scattering& at, const Ne
 // Whether the path has left the scene straight.
 bool PathTracer::is_straight(RowView<PathState> state) const {
   return through_panes_ && state.get(&PathState::last_pdf) == kDeltaPdf &&
-         core::is_straight(state.get(&PathState::straight), normalize(state.get(&PathState::ray).direction));
+         core::integrators::is_straight(state.get(&PathState::straight),
+                                        normalize(state.get(&PathState::ray).direction));
 }
 
 // The weight of straight light, against light samples of the vertex before the panes.
 float PathTracer::straight_weight(std::uint32_t light, RowView<PathState> state) const {
   const float scale = state.get(&PathState::emitter_mis_scale);
   if (settings_.integrator == Integrator::kNee || scale == 0) return 0;
-  const LightSampleContext last = state.get(&PathState::last);
+  const lights::LightSampleContext last = state.get(&PathState::last);
   const float pdf = scene_.environment().pdf(last.normal, state.get(&PathState::straight), compensation_),
               pmf = light_sampler_.pmf(last, light, compensation_);
   return scale * mis_weight(settings_.heuristic, state.get(&PathState::straight_pdf), pmf * pdf);
@@ -82,4 +83,4 @@ void PathTracer::add_straight(RenderCounters& counters, int depth) {
   }
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

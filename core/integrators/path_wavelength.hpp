@@ -11,12 +11,12 @@
 #include "core/scene/scene.hpp"
 #include "core/spectra/wavelength_sampling.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // That of the path, or, if it has none (0), the one for u in [0, 1).
 inline Wavelength wavelength_at(float path_nm, float u) {
   if (path_nm > 0) return {path_nm, false, Rgb::gray(1)};
-  const WavelengthSample chosen = sample_wavelength(u);
+  const spectra::WavelengthSample chosen = spectra::sample_wavelength(u);
   return {chosen.nm, true, chosen.weight};
 }
 // The same in each lane.
@@ -33,10 +33,10 @@ inline WavelengthOf<FloatN> wavelengths_at(FloatN path_nm, FloatN u) {
 }
 
 // For a vertex whose number is the first of the pad; nothing if no material of the scene disperses light.
-inline std::optional<Wavelength> wavelength_in(const Scene& scene, float path_nm, const Sampler& sampler,
-                                               std::uint32_t pad) {
+inline std::optional<Wavelength> wavelength_in(const Scene& scene, float path_nm,
+                                               const sampling::Sampler& sampler, std::uint32_t pad) {
   if (!scene.has_dispersion()) return std::nullopt;
   return wavelength_at(path_nm, sampler.pad(pad)[0]);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

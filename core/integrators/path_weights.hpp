@@ -9,15 +9,15 @@
 #include "core/math/lane_array.hpp"
 #include "core/scene/settings.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // The first vertex with Russian roulette, and the scales of the survival probability there and further on.
 inline constexpr int kFirstRouletteDepth = 1;
 inline constexpr float kFirstSurvivalScale = 1.6f, kSurvivalScale = 1.2f;
 
 // Whether light samples of the integrator leave to BSDF samples what these find as well.
-inline MisCompensation mis_compensation(Integrator integrator) {
-  return integrator == Integrator::kMis ? MisCompensation::kOn : MisCompensation::kOff;
+inline lights::MisCompensation mis_compensation(Integrator integrator) {
+  return integrator == Integrator::kMis ? lights::MisCompensation::kOn : lights::MisCompensation::kOff;
 }
 
 // The balance or the power heuristic for two densities with one sample of each (Veach and Guibas 1995).
@@ -53,4 +53,4 @@ inline Rgb clamped(Rgb radiance, float limit) {
   return most > limit ? radiance * (limit / most) : radiance;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

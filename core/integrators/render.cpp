@@ -17,7 +17,7 @@
 #include "core/sampling/filter_warp.hpp"
 #include "core/sampling/sampler.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // Threads take blocks of this size in turn: small enough for load balancing, large enough for cache
@@ -27,11 +27,11 @@ constexpr int kBlockPx = 8;
 float sample_filter(PixelFilter filter, float u) {
   switch (filter.kind) {
     case FilterKind::kBox:
-      return sample_box(u, filter.radius_px);
+      return sampling::sample_box(u, filter.radius_px);
     case FilterKind::kTent:
-      return sample_tent(u, filter.radius_px);
+      return sampling::sample_tent(u, filter.radius_px);
     case FilterKind::kGaussian:
-      return sample_truncated_normal(u, filter.radius_px);
+      return sampling::sample_truncated_normal(u, filter.radius_px);
   }
   return 0;
 }
@@ -53,7 +53,8 @@ struct PixelSums {
   std::uint64_t* odd_sums;
 };
 
-void deposit(Rgb radiance, const Sampler& sampler, bool odd, PixelSums pixel, RenderCounters& counters) {
+void deposit(Rgb radiance, const sampling::Sampler& sampler, bool odd, PixelSums pixel,
+             RenderCounters& counters) {
   const auto dither = sampler.film_dither();
   bool saturated = false;
   for (int c = 0; c < 3; ++c) {
@@ -75,7 +76,7 @@ class Renderer {
         scene_(plan.scene()),
         settings_(plan.settings()),
         samples_(kSamplesUnderWay),
-        samplers_(kSamplesUnderWay, Sampler(settings_.seed, 0, 0, 0)),
+        samplers_(kSamplesUnderWay, sampling::Sampler(settings_.seed, 0, 0, 0)),
         radiance_(kSamplesUnderWay),
         layers_(scene_, tile, kSamplesUnderWay),
         path_tracer_(plan, samplers_, radiance_, layers_.parts()) {
@@ -89,7 +90,7 @@ class Renderer {
     const std::uint32_t number = free_.back();
     free_.pop_back();
     samples_[number] = {id, pixel};
-    samplers_[number] = Sampler(settings_.seed, id.x, id.y, id.sample);
+    samplers_[number] = sampling::Sampler(settings_.seed, id.x, id.y, id.sample);
     begun_.push_back(number);
     if (begun_.size() == kBatchPaths) {
       send_camera_rays();
@@ -133,12 +134,12 @@ class Renderer {
   }
 
   void send_batch(std::span<const std::uint32_t> numbers) {
-    std::array<const Sampler*, kLaneCount> samplers;
+    std::array<const sampling::Sampler*, kLaneCount> samplers;
     for (std::size_t i = 0; i < kLaneCount; ++i)
       samplers[i] = &samplers_[numbers[i < numbers.size() ? i : 0]];
-    const auto pads = Sampler::pads(samplers, kCameraPad);
+    const auto pads = sampling::Sampler::pads(samplers, sampling::kCameraPad);
     const Vec2Of<FloatN> raster = rasters_of(numbers, {pads[0], pads[1]});
-    const FloatN time = scene_.has_motion() ? Sampler::pads(samplers, kTimePad)[0] : 0.0f;
+    const FloatN time = scene_.has_motion() ? sampling::Sampler::pads(samplers, sampling::kTimePad)[0] : 0.0f;
     const RayOf<FloatN> rays =
         scene_.camera_rays(raster, settings_.width_px, settings_.height_px, {pads[2], pads[3]}, time);
     if (layers_.see_surfaces()) begin_layers(numbers, rays);
@@ -189,9 +190,9 @@ class Renderer {
   }
 
   [[gnu::noinline]] void connect_lens(std::span<const std::uint32_t> numbers,
-                                      const std::array<const Sampler*, kLaneCount>& samplers,
+                                      const std::array<const sampling::Sampler*, kLaneCount>& samplers,
                                       const Vec3Lanes& focuses, const FloatLanes& time) {
-    const auto pads = Sampler::pads(samplers, kLensLightPad);
+    const auto pads = sampling::Sampler::pads(samplers, sampling::kLensLightPad);
     const FloatLanes u(pads[0]), v(pads[1]), coarse(pads[2]), fine(pads[3]);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const auto connection = plan_.lens_lights()->connect(settings_.heuristic, focuses[i], time[i],
@@ -225,7 +226,7 @@ class Renderer {
   RenderCounters counters_;
   // Active samples by slot.
   std::vector<Sample> samples_;
-  std::vector<Sampler> samplers_;
+  std::vector<sampling::Sampler> samplers_;
   std::vector<Rgb> radiance_;
   std::vector<std::uint32_t> free_;   // unused slots
   std::vector<std::uint32_t> begun_;  // samples whose camera rays are yet to be generated
@@ -288,4 +289,4 @@ Rgb render_sample(const RenderPlan& plan, SampleId id) {
   return std::make_unique<Renderer>(plan, nullptr)->radiance_of(id);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -5,7 +5,7 @@
 #include "core/film/film.hpp"
 #include "core/integrators/render_plan.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // Renders samples `range` of the pixels of `rect` with `threads` OpenMP threads. Sample s of pixel (x, y)
 // is a pure function of the scene, the settings (except their spp), and (x, y, s): the film is
@@ -17,4 +17,4 @@ FilmTile render(const RenderPlan& plan, PixelRect rect, SampleRange range, int t
 // counters report.
 Rgb render_sample(const RenderPlan& plan, SampleId id);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -9,13 +9,13 @@
 #include "core/integrators/volume_path.hpp"
 #include "core/integrators/whitted.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
-LightSampler light_sampler_for(const Scene& scene, Integrator integrator, int threads) {
-  const auto among =
-      integrator == Integrator::kNaive ? LightSampler::Among::kDelta : LightSampler::Among::kAll;
-  return LightSampler(scene.lights(), among, threads);
+lights::LightSampler light_sampler_for(const Scene& scene, Integrator integrator, int threads) {
+  const auto among = integrator == Integrator::kNaive ? lights::LightSampler::Among::kDelta
+                                                      : lights::LightSampler::Among::kAll;
+  return lights::LightSampler(scene.lights(), among, threads);
 }
 
 // Photons pass through no media.
@@ -65,4 +65,4 @@ RenderPlan RenderPlans::get(const RenderSettings& settings, int threads) {
   return plans_.emplace_back(prepare(scene_, settings, threads));
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

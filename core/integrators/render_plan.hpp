@@ -20,13 +20,13 @@
 #include "core/scene/scene.hpp"
 #include "core/scene/settings.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 class RenderPlan;
 
 // Traces the camera ray of one sample and returns its radiance. Counts rays, and adds the light's parts to
 // `parts` if that is not null.
-using SampleTracer = Rgb (*)(const RenderPlan& plan, const Sampler& sampler, const Ray& ray,
+using SampleTracer = Rgb (*)(const RenderPlan& plan, const sampling::Sampler& sampler, const Ray& ray,
                              RenderCounters& counters, LightParts* parts);
 
 class RenderPlan {
@@ -37,9 +37,11 @@ class RenderPlan {
   bool is_current() const { return scene_->revision() == revision_; }
 
   // Samples the lights that the integrator connects to: `naive` only those that rays cannot hit.
-  const LightSampler& light_sampler() const { return prepared_->light_sampler; }
+  const lights::LightSampler& light_sampler() const { return prepared_->light_sampler; }
   // Where caustics come from; null if the integrator uses no guide or there are none.
-  const LightGuide* guide() const { return prepared_->guide.cells().empty() ? nullptr : &prepared_->guide; }
+  const guiding::LightGuide* guide() const {
+    return prepared_->guide.cells().empty() ? nullptr : &prepared_->guide;
+  }
   // Whether light samples of the environment pass panes (panes.hpp).
   bool samples_through_panes() const { return prepared_->samples_through_panes; }
   // The lamps that the lens connects to; null if the integrator or the camera does not, or there are none.
@@ -57,8 +59,8 @@ class RenderPlan {
   friend RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threads,
                             std::uint32_t photon_paths);
   struct Prepared {
-    LightSampler light_sampler;
-    LightGuide guide;
+    lights::LightSampler light_sampler;
+    guiding::LightGuide guide;
     bool samples_through_panes = false;
     LensLights lens_lights;
     MaterialBins material_bins;
@@ -97,4 +99,4 @@ class RenderPlans {
   std::vector<RenderPlan> plans_ TESSERA_GUARDED_BY(mutex_);  // one for each integrator
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

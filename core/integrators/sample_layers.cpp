@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/integrators/sample_layers.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 const LayerSet kLightLayers = LayerSet{}
@@ -37,7 +37,7 @@ void SampleLayers::divide_by_groups() {
     parts_[slot].groups = std::span(light_of_groups_).subspan(slot * count, count);
 }
 
-void SampleLayers::begin(const Ray& ray, SampleId id, const Sampler& sampler) {
+void SampleLayers::begin(const Ray& ray, SampleId id, const sampling::Sampler& sampler) {
   rays_.push_back(ray);
   samplers_.push_back(&sampler);
   pixels_.push_back(pixel_of(id));
@@ -106,7 +106,7 @@ void SampleLayers::add_surface(std::uint32_t pixel, const FirstHit& hit,
     if (ids_[i]) ids_[i]->add(pixel, ids[i]);
 }
 
-void SampleLayers::add_light(std::uint32_t slot, SampleId id, const Sampler& sampler) {
+void SampleLayers::add_light(std::uint32_t slot, SampleId id, const sampling::Sampler& sampler) {
   if (parts_.empty()) return;
   const LightParts& parts = parts_[slot];
   const std::size_t pixel = pixel_of(id);
@@ -130,4 +130,4 @@ void SampleLayers::finish() {
   }
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

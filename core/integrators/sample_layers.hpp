@@ -15,7 +15,7 @@
 #include "core/sampling/sampler.hpp"
 #include "core/scene/scene.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 class SampleLayers {
  public:
@@ -33,12 +33,12 @@ class SampleLayers {
   // Whether a layer is of what camera rays hit. Then each sample that begins must be told with its ray; the
   // sampler is used by add_surfaces().
   bool see_surfaces() const { return sees_surfaces_; }
-  void begin(const Ray& ray, SampleId id, const Sampler& sampler);
+  void begin(const Ray& ray, SampleId id, const sampling::Sampler& sampler);
   // Adds what is seen of surfaces by all samples that have begun since the last call. Returns the number of
   // rays traced.
   std::uint64_t add_surfaces();
   // Adds the light of the sample in a slot, whose parts are complete.
-  void add_light(std::uint32_t slot, SampleId id, const Sampler& sampler);
+  void add_light(std::uint32_t slot, SampleId id, const sampling::Sampler& sampler);
   // Adds what was counted aside. By one thread at a time, after all else.
   void finish();
 
@@ -71,9 +71,9 @@ class SampleLayers {
   std::array<std::optional<IdCounter>, kCryptoLayers.size()> ids_;
   // The samples that have begun:
   std::vector<Ray> rays_;
-  std::vector<const Sampler*> samplers_;
+  std::vector<const sampling::Sampler*> samplers_;
   std::vector<std::uint32_t> pixels_;
   std::vector<FirstHit> hits_;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

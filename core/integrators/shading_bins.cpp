@@ -5,7 +5,7 @@
 #include <compare>
 #include <variant>
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // What vertices have in common that are shaded together. Models and microfacets count only for kernels that
@@ -146,4 +146,4 @@ void ShadingBins::find_scatterers(ColumnsView<const Ray> rays, ColumnsView<const
   slots.triangles = slots.others = 0;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -15,7 +15,7 @@
 #include "core/math/lane_array.hpp"
 #include "core/scene/scene.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // What sorting needs to know of a scene's materials.
 struct MaterialBins {
@@ -94,4 +94,4 @@ class ShadingBins {
   Slots escaped_;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

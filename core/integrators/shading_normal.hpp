@@ -6,7 +6,7 @@
 
 #include "core/math/vec3.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 inline constexpr float kMinShadingCos = 1e-4f;
 
@@ -65,4 +65,4 @@ T diffuse_scale(Vec3Of<T> side) {
   return 1 / side.z;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -6,7 +6,7 @@
 #include "core/materials/bump_map.hpp"
 #include "core/materials/normal_map.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 Vec3Of<FloatN> toward_origins(const RayRows& rays) {
@@ -85,4 +85,4 @@ Vec3Of<FloatN> SurfaceBatch::bumped(Vec3Of<FloatN> normals) const {
   return tilted.all();
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -14,7 +14,7 @@
 #include "core/materials/model_at.hpp"
 #include "core/math/lane_array.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 struct SurfaceBatch {
   using Materials = MaterialsOf<FloatN>;
@@ -52,4 +52,4 @@ struct SurfaceBatch {
   Vec3Of<FloatN> bumped(Vec3Of<FloatN> normals) const;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

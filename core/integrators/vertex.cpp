@@ -7,14 +7,14 @@
 #include "core/materials/normal_map.hpp"
 #include "core/sampling/hash.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // A number in [0, 1) that depends on every bit of the vectors.
 float hashed_number(Vec3 a, Vec3 b) {
   std::uint64_t bits = 0;
-  for (const float value : {a.x, a.y, a.z, b.x, b.y, b.z}) bits = hash(bits, as_bits(value));
-  return unit_float(static_cast<std::uint32_t>(bits >> 32));
+  for (const float value : {a.x, a.y, a.z, b.x, b.y, b.z}) bits = sampling::hash(bits, as_bits(value));
+  return sampling::unit_float(static_cast<std::uint32_t>(bits >> 32));
 }
 
 }  // namespace
@@ -116,9 +116,9 @@ PathVertex::PathVertex(const Scene& scene, const Scatterer& scatterer, const Hit
                viewed_normal(side, outward_normal(scene, *scatterer.material, hit, surface),
                              scatterer.material->model, wo),
                scatterer.material->shading_normals == ShadingNormals::kPlain,
-               Bsdf(*scatterer.material,
-                    {scene.textures(), texture_point_at(scene, hit, surface), side.outside,
-                     scene.primitives().vertex_color(hit), true, pointer_to(scatterer.light)})),
+               shading::Bsdf(*scatterer.material,
+                             {scene.textures(), texture_point_at(scene, hit, surface), side.outside,
+                              scene.primitives().vertex_color(hit), true, pointer_to(scatterer.light)})),
       light_(scatterer.light),
       disperses_(disperses(scatterer.material->model)) {
   const Material& material = *scatterer.material;
@@ -161,8 +161,8 @@ PathVertex::delta_branches() const {
   return branches;
 }
 
-Ray PathVertex::ray_toward(const LightSample& light) const {
+Ray PathVertex::ray_toward(const lights::LightSample& light) const {
   return light.point ? timed(ray_to(*light.point)) : ray_along(light.wi);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

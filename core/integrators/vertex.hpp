@@ -15,7 +15,7 @@
 #include "core/scene/scene.hpp"
 #include "core/shading/bsdf.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // The side of a surface that faces the viewer, who looks along -wo.
 template <typename T>
@@ -132,7 +132,7 @@ class VertexOf {
 };
 
 // A vertex of any material.
-class PathVertex : public VertexOf<float, Bsdf> {
+class PathVertex : public VertexOf<float, shading::Bsdf> {
  public:
   // `boundary`, unless it is null, scatters in place of the material at the hit. Without `light` nothing
   // is dispersed.
@@ -142,7 +142,7 @@ class PathVertex : public VertexOf<float, Bsdf> {
   bool is_delta() const { return bsdf_.is_delta(); }
   bool has_delta() const { return bsdf_.has_delta(); }
   // The reference point for light sampling.
-  LightSampleContext light_context() const {
+  lights::LightSampleContext light_context() const {
     return {position(), bsdf_.transmits() ? Vec3{} : frame_.normal};
   }
 
@@ -169,7 +169,7 @@ class PathVertex : public VertexOf<float, Bsdf> {
   // As VertexOf::ray_along(), at the time of the ray that hit the surface.
   Ray ray_along(Vec3 wi) const { return timed(VertexOf::ray_along(wi)); }
   // A shadow ray towards the light sample.
-  Ray ray_toward(const LightSample& light) const;
+  Ray ray_toward(const lights::LightSample& light) const;
 
  private:
   struct Scatterer {
@@ -236,4 +236,4 @@ Vec3 bumped_normal(const Scene& scene, const Material& material, const Hit& hit,
 Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit,
                     const SurfacePoint& surface);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

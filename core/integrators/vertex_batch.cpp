@@ -5,7 +5,7 @@
 #include "core/shading/bsdf_at.hpp"
 #include "core/shading/layered_materials.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // The models of a batch, which must all be a Model.
@@ -63,11 +63,11 @@ void orient_microfacets(const SurfaceBatch& batch, Vertices& vertices) {
   if (coats != 0) turn_coats(batch, points, coats, vertices);
 }
 
-ClosureOf<FloatN> closures_at(const SurfaceBatch& batch, const MaterialPointOf<FloatN>& at) {
+shading::ClosureOf<FloatN> closures_at(const SurfaceBatch& batch, const MaterialPointOf<FloatN>& at) {
   return std::visit(
-      [&]<typename Model>(const Model&) -> ClosureOf<FloatN> {
-        if constexpr (requires(const ModelAt<FloatN, Model>& models) { closure_at(models); })
-          return closure_at(models_at<Model>(batch, at));
+      [&]<typename Model>(const Model&) -> shading::ClosureOf<FloatN> {
+        if constexpr (requires(const ModelAt<FloatN, Model>& models) { shading::closure_at(models); })
+          return shading::closure_at(models_at<Model>(batch, at));
         return {};
       },
       batch.materials[0]->model);
@@ -100,7 +100,7 @@ Kernel kernel_of(const Material& material) {
 
 DiffuseVertices diffuse_vertices(const SurfaceBatch& batch) {
   const MaterialPointOf<FloatN> at = batch.material_point();
-  return {batch, diffuse_normals(batch), bsdf_at(models_at<Lambert>(batch, at))};
+  return {batch, diffuse_normals(batch), shading::bsdf_at(models_at<Lambert>(batch, at))};
 }
 
 GlossyVertices glossy_vertices(const SurfaceBatch& batch) {
@@ -109,17 +109,17 @@ GlossyVertices glossy_vertices(const SurfaceBatch& batch) {
       ModelAt<FloatN, Material>(batch.materials, at).holds([](const Material& material) {
         return material.sampling == Sampling::kHalfVector;
       });
-  return {batch, glossy_normals(batch), bsdf_at(models_at<CookTorrance>(batch, at), half_vector)};
+  return {batch, glossy_normals(batch), shading::bsdf_at(models_at<CookTorrance>(batch, at), half_vector)};
 }
 
 PhongVertices phong_vertices(const SurfaceBatch& batch) {
   const MaterialPointOf<FloatN> at = batch.material_point();
-  return {batch, glossy_normals(batch), bsdf_at(models_at<Phong>(batch, at))};
+  return {batch, glossy_normals(batch), shading::bsdf_at(models_at<Phong>(batch, at))};
 }
 
 SpecularVertices specular_vertices(const SurfaceBatch& batch) {
   return {batch, glossy_normals(batch),
-          specular_at<FloatN, GgxOf<FloatN>>(batch.materials, batch.material_point())};
+          shading::specular_at<FloatN, GgxOf<FloatN>>(batch.materials, batch.material_point())};
 }
 
 LayeredVertices layered_vertices(const SurfaceBatch& batch) {
@@ -131,9 +131,9 @@ LayeredVertices layered_vertices(const SurfaceBatch& batch) {
 GeneralVertices general_vertices(const SurfaceBatch& batch) {
   const bool diffuse = std::holds_alternative<Lambert>(batch.materials[0]->model);
   GeneralVertices vertices(batch, diffuse ? diffuse_normals(batch) : glossy_normals(batch),
-                           BsdfOf<FloatN>(batch.materials, batch.material_point()));
+                           shading::BsdfOf<FloatN>(batch.materials, batch.material_point()));
   orient_microfacets(batch, vertices);
   return vertices;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

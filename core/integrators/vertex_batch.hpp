@@ -10,7 +10,7 @@
 #include "core/math/lane_array.hpp"
 #include "core/shading/bsdf.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 template <typename Bsdfs>
 class VertexBatch : public VertexOf<FloatN, Bsdfs> {
@@ -37,7 +37,7 @@ class VertexBatch : public VertexOf<FloatN, Bsdfs> {
   }
 
   // Shadow rays towards the light samples.
-  RayOf<FloatN> rays_toward(const LightSamples& lights) const {
+  RayOf<FloatN> rays_toward(const lights::LightSamples& lights) const {
     const RayOf<FloatN> near = this->ray_to(lights.point);
     if (!any(lights.distant)) return near;
     const RayOf<FloatN> far = this->ray_along(lights.wi);
@@ -86,22 +86,22 @@ Kernel kernel_of(const Material& material);
 
 // A batch must hold materials of the kernel only; layered and general ones must be of one model and one kind
 // of microfacets.
-using DiffuseVertices = VertexBatch<LambertBsdfOf<FloatN>>;
+using DiffuseVertices = VertexBatch<shading::LambertBsdfOf<FloatN>>;
 DiffuseVertices diffuse_vertices(const SurfaceBatch& batch);
 
-using GlossyVertices = VertexBatch<CookTorranceBsdfOf<FloatN>>;
+using GlossyVertices = VertexBatch<shading::CookTorranceBsdfOf<FloatN>>;
 GlossyVertices glossy_vertices(const SurfaceBatch& batch);
 
-using PhongVertices = VertexBatch<PhongBsdfOf<FloatN>>;
+using PhongVertices = VertexBatch<shading::PhongBsdfOf<FloatN>>;
 PhongVertices phong_vertices(const SurfaceBatch& batch);
 
-using SpecularVertices = VertexBatch<SpecularBsdfOf<FloatN>>;
+using SpecularVertices = VertexBatch<shading::SpecularBsdfOf<FloatN>>;
 SpecularVertices specular_vertices(const SurfaceBatch& batch);
 
-using LayeredVertices = VertexBatch<ClosureOf<FloatN>>;
+using LayeredVertices = VertexBatch<shading::ClosureOf<FloatN>>;
 LayeredVertices layered_vertices(const SurfaceBatch& batch);
 
-using GeneralVertices = VertexBatch<BsdfOf<FloatN>>;
+using GeneralVertices = VertexBatch<shading::BsdfOf<FloatN>>;
 GeneralVertices general_vertices(const SurfaceBatch& batch);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

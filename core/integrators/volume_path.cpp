@@ -14,7 +14,7 @@
 #include "core/media/phase_function.hpp"
 #include "core/media/tracking.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // Names of the number streams of a path.
@@ -34,7 +34,7 @@ class MediumVertex {
 
   bool is_delta() const { return false; }
   float time() const { return time_; }
-  LightSampleContext light_context() const { return {position_, {}}; }
+  lights::LightSampleContext light_context() const { return {position_, {}}; }
   // The phase function, and the density with which sample() generates `wi`: they are equal.
   BsdfValue evaluate(Vec3 wi) const {
     const float phase = henyey_greenstein(g_, -dot(wo_, wi));
@@ -45,7 +45,7 @@ class MediumVertex {
     return PathVertex::Scattered{wi, Rgb::gray(1), evaluate(wi).pdf, false, 1};
   }
   Ray ray_along(Vec3 wi) const { return {position_, wi, std::numeric_limits<float>::infinity(), time_}; }
-  Ray ray_toward(const LightSample& light) const {
+  Ray ray_toward(const lights::LightSample& light) const {
     if (!light.point) return ray_along(light.wi);
     return {position_, offset_origin(*light.point, position_ - light.point->position) - position_, 1, time_};
   }
@@ -64,7 +64,8 @@ int medium_beyond(const Material* material, const SurfacePoint& surface, Vec3 di
 
 class VolumePath {
  public:
-  VolumePath(const RenderPlan& plan, const Sampler& sampler, RenderCounters& counters, LightParts* parts)
+  VolumePath(const RenderPlan& plan, const sampling::Sampler& sampler, RenderCounters& counters,
+             LightParts* parts)
       : scene_(plan.scene()),
         settings_(plan.settings()),
         light_sampler_(plan.light_sampler()),
@@ -72,7 +73,7 @@ class VolumePath {
         sampler_(sampler),
         counters_(counters),
         parts_(parts),
-        hero_(std::min(2, static_cast<int>(3 * sampler.pad(medium_pad(0))[2]))),
+        hero_(std::min(2, static_cast<int>(3 * sampler.pad(sampling::medium_pad(0))[2]))),
         medium_(scene_.camera_medium()) {}
 
   Rgb trace(const Ray& ray) {
@@ -87,7 +88,7 @@ class VolumePath {
  private:
   // Follows the ray to the next vertex and scatters there; false if the path ends.
   bool step();
-  bool collides(float t_max, NumberStream& numbers, std::optional<float>& t);
+  bool collides(float t_max, sampling::NumberStream& numbers, std::optional<float>& t);
   bool shade_surface(const Hit& hit, const Material& material);
   void add_environment();
   void add_emission(const SurfacePoint& surface, const Hit& hit);
@@ -97,7 +98,7 @@ class VolumePath {
   template <typename Vertex, typename MediumToward>
   void connect_to_light(const Vertex& vertex, const MediumToward& medium_toward);
   SpectralWeights visibility(const Ray& ray, int medium, Enclosure enclosure);
-  void attenuate(const Ray& ray, float t_max, int medium, NumberStream& numbers,
+  void attenuate(const Ray& ray, float t_max, int medium, sampling::NumberStream& numbers,
                  SpectralWeights& weights) const;
 
   // `light` is kNoLight for what a medium emits.
@@ -109,9 +110,9 @@ class VolumePath {
 
   const Scene& scene_;
   const RenderSettings& settings_;
-  const LightSampler& light_sampler_;
-  const MisCompensation compensation_;
-  const Sampler& sampler_;
+  const lights::LightSampler& light_sampler_;
+  const lights::MisCompensation compensation_;
+  const sampling::Sampler& sampler_;
   RenderCounters& counters_;
   LightParts* const parts_;  // may be null
   const int hero_;           // the channel that samples distances
@@ -123,13 +124,13 @@ class VolumePath {
   SpectralWeights weights_;
   float eta_scale_ = 1, wavelength_nm_ = 0;  // as PathState
   bool delta_ = true;  // only the ray finds what it hits: as PathState::last_pdf == kDeltaPdf
-  LightSampleContext last_{};
+  lights::LightSampleContext last_{};
   Rgb radiance_{}, indirect_{};
 };
 
 // Passes through surfaces by chance, as pass_by_chance() does.
 bool VolumePath::step() {
-  NumberStream numbers = sampler_.stream(segment_stream(depth_), medium_pad(depth_));
+  sampling::NumberStream numbers = sampler_.stream(segment_stream(depth_), sampling::medium_pad(depth_));
   for (std::uint32_t crossing = 0;; ++crossing) {
     ++counters_.closest_hit_rays;
     const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), ray_);
@@ -160,18 +161,18 @@ bool VolumePath::step() {
 }
 
 // Samples a collision in the ray's medium; false if nothing is left of the path.
-bool VolumePath::collides(float t_max, NumberStream& numbers, std::optional<float>& t) {
+bool VolumePath::collides(float t_max, sampling::NumberStream& numbers, std::optional<float>& t) {
   if (medium_ == kNoMedium) return true;
   const Collision collision = sample_collision(scene_.media()[static_cast<std::size_t>(medium_)], ray_, t_max,
                                                hero_, numbers, weights_);
-  if (!is_black(collision.emitted)) add(collision.emitted, depth_, kNoLight);
+  if (!is_black(collision.emitted)) add(collision.emitted, depth_, lights::kNoLight);
   t = collision.t;
   return max_component(weights_.throughput) > 0;
 }
 
 bool VolumePath::shade_surface(const Hit& hit, const Material& material) {
   const PathVertex vertex(scene_, ray_, hit, enclosure_.boundary,
-                          wavelength_in(scene_, wavelength_nm_, sampler_, wavelength_pad(depth_)));
+                          wavelength_in(scene_, wavelength_nm_, sampler_, sampling::wavelength_pad(depth_)));
   add_emission(vertex.surface(), hit);
   const auto medium_toward = [&](Vec3 wi) { return medium_beyond(&material, vertex.surface(), wi, medium_); };
   if (!scatter(vertex, medium_toward)) return false;
@@ -182,8 +183,8 @@ bool VolumePath::shade_surface(const Hit& hit, const Material& material) {
 void VolumePath::add_environment() {
   if (parts_ != nullptr && depth_ == 0) parts_->escaped = true;
   const std::uint32_t light = scene_.environment_light();
-  if (light == kNoLight) return;
-  const Environment& environment = scene_.environment();
+  if (light == lights::kNoLight) return;
+  const lights::Environment& environment = scene_.environment();
   if (depth_ == 0 && !environment.visible_to_camera()) return;
   add_light(environment.radiance(ray_.direction), light,
             delta_ ? 0 : environment.pdf(last_.normal, ray_.direction, compensation_),
@@ -193,8 +194,8 @@ void VolumePath::add_environment() {
 // Adds what a surface emits against the ray.
 void VolumePath::add_emission(const SurfacePoint& surface, const Hit& hit) {
   const std::uint32_t light = scene_.light_of(hit);
-  if (light == kNoLight) return;
-  scene_.with_area_light(light, ray_.time, [&](const AreaLight& area) {
+  if (light == lights::kNoLight) return;
+  scene_.with_area_light(light, ray_.time, [&](const lights::AreaLight& area) {
     const UvSets uv = uv_sets_at(scene_, hit, surface);
     add_light(area.emitted(scene_.textures(), surface.position, uv, normalize(-ray_.direction)), light,
               delta_ ? 0 : area.pdf(last_.position, surface.position), LightParts::Source::kEmission);
@@ -221,7 +222,7 @@ bool VolumePath::scatter(const Vertex& vertex, const MediumToward& medium_toward
   const float density = mean(weights_.unidirectional);
   weights_ *= Rgb::gray(1 / density);
   if (!light_sampler_.empty() && !vertex.is_delta()) connect_to_light(vertex, medium_toward);
-  const auto u = sampler_.pad(scatter_pad(depth_));
+  const auto u = sampler_.pad(sampling::scatter_pad(depth_));
   const auto next = vertex.sample({u[0], u[1]}, u[2]);
   if (!next) return false;
   weights_.throughput *= next->weight;
@@ -237,11 +238,11 @@ bool VolumePath::scatter(const Vertex& vertex, const MediumToward& medium_toward
 
 template <typename Vertex, typename MediumToward>
 void VolumePath::connect_to_light(const Vertex& vertex, const MediumToward& medium_toward) {
-  const auto u = sampler_.pad(light_pad(depth_));
-  const LightSampleContext context = vertex.light_context();
-  const LightSampler::Choice choice =
+  const auto u = sampler_.pad(sampling::light_pad(depth_));
+  const lights::LightSampleContext context = vertex.light_context();
+  const lights::LightSampler::Choice choice =
       light_sampler_.sample(context, combine_uniforms(u[2], u[3]), compensation_);
-  if (choice.light == kNoLight) return;
+  if (choice.light == lights::kNoLight) return;
   const auto light = sample_light(scene_.lights()[choice.light], scene_.textures(), context, {u[0], u[1]},
                                   compensation_, vertex.time());
   if (!light) return;
@@ -260,7 +261,8 @@ void VolumePath::connect_to_light(const Vertex& vertex, const MediumToward& medi
 
 // The weights of a shadow ray that begins in `medium` and at `enclosure`: `throughput` is its transmittance.
 SpectralWeights VolumePath::visibility(const Ray& ray, int medium, Enclosure enclosure) {
-  NumberStream numbers = sampler_.stream(shadow_stream(depth_), shadow_medium_pad(depth_));
+  sampling::NumberStream numbers =
+      sampler_.stream(shadow_stream(depth_), sampling::shadow_medium_pad(depth_));
   SpectralWeights weights;
   if (scene_.is_opaque()) {
     ++counters_.shadow_rays;
@@ -287,7 +289,7 @@ SpectralWeights VolumePath::visibility(const Ray& ray, int medium, Enclosure enc
   }
 }
 
-void VolumePath::attenuate(const Ray& ray, float t_max, int medium, NumberStream& numbers,
+void VolumePath::attenuate(const Ray& ray, float t_max, int medium, sampling::NumberStream& numbers,
                            SpectralWeights& weights) const {
   if (medium == kNoMedium) return;
   estimate_transmittance(scene_.media()[static_cast<std::size_t>(medium)], ray, t_max, hero_, numbers,
@@ -296,9 +298,9 @@ void VolumePath::attenuate(const Ray& ray, float t_max, int medium, NumberStream
 
 }  // namespace
 
-Rgb trace_volume_path(const RenderPlan& plan, const Sampler& sampler, const Ray& ray,
+Rgb trace_volume_path(const RenderPlan& plan, const sampling::Sampler& sampler, const Ray& ray,
                       RenderCounters& counters, LightParts* parts) {
   return VolumePath(plan, sampler, counters, parts).trace(ray);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -6,11 +6,11 @@
 
 #include "core/integrators/render_plan.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // Unbiased with every strategy, as PathTracer. Counts rays in `counters`. Adds the light's parts to
 // `parts`, if that is not null.
-Rgb trace_volume_path(const RenderPlan& plan, const Sampler& sampler, const Ray& ray,
+Rgb trace_volume_path(const RenderPlan& plan, const sampling::Sampler& sampler, const Ray& ray,
                       RenderCounters& counters, LightParts* parts = nullptr);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

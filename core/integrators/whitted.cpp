@@ -10,13 +10,13 @@
 #include "core/integrators/path_wavelength.hpp"
 #include "core/integrators/vertex.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // A ray of the tree and its state.
 struct Branch {
   Ray ray;
-  std::uint64_t node = kTreeRoot;
+  std::uint64_t node = sampling::kTreeRoot;
   int depth = 0;
   Rgb weight = Rgb::gray(1);  // multiplies the radiance along the ray
   float eta_scale = 1;        // undoes the compression of radiance by refraction in `weight`
@@ -28,7 +28,8 @@ struct Branch {
 
 class TreeTracer {
  public:
-  TreeTracer(const RenderPlan& plan, const Sampler& sampler, RenderCounters& counters, LightParts* parts)
+  TreeTracer(const RenderPlan& plan, const sampling::Sampler& sampler, RenderCounters& counters,
+             LightParts* parts)
       : scene_(plan.scene()),
         light_sampler_(plan.light_sampler()),
         sampler_(sampler),
@@ -58,7 +59,7 @@ class TreeTracer {
       if (!hit.found()) return add_environment(branch);
       const PathVertex vertex(
           scene_, ray, hit, branch.enclosure.boundary,
-          wavelength_in(scene_, branch.wavelength_nm, sampler_, tree_wavelength_pad(branch.node)));
+          wavelength_in(scene_, branch.wavelength_nm, sampler_, sampling::tree_wavelength_pad(branch.node)));
       add_emission(branch, Rgb::gray(1), vertex.surface(), ray, hit);
       if (!vertex.is_delta()) add_direct_light(branch, vertex);
       if (!vertex.has_delta()) return;
@@ -85,7 +86,7 @@ class TreeTracer {
         continue;
       }
       children[i] = {vertex.ray_along(direction->wi),
-                     tree_child(branch.node, static_cast<std::uint32_t>(i)),
+                     sampling::tree_child(branch.node, static_cast<std::uint32_t>(i)),
                      branch.depth + 1,
                      branch.weight * direction->weight,
                      branch.eta_scale * direction->eta * direction->eta,
@@ -103,7 +104,7 @@ class TreeTracer {
 
   void add_environment(const Branch& branch) {
     if (parts_ != nullptr && branch.depth == 0) parts_->escaped = true;
-    if (scene_.environment_light() == kNoLight) return;
+    if (scene_.environment_light() == lights::kNoLight) return;
     if (branch.depth == 0 && !scene_.environment().visible_to_camera()) return;
     add(branch.weight * scene_.environment().radiance(branch.ray.direction), branch.depth,
         scene_.environment_light(), LightParts::Source::kEnvironment);
@@ -113,8 +114,8 @@ class TreeTracer {
   void add_emission(const Branch& branch, Rgb tint, const SurfacePoint& surface, const Ray& ray,
                     const Hit& hit) {
     const std::uint32_t light = scene_.light_of(hit);
-    if (light == kNoLight) return;
-    const Rgb emitted = scene_.with_area_light(light, ray.time, [&](const AreaLight& area) {
+    if (light == lights::kNoLight) return;
+    const Rgb emitted = scene_.with_area_light(light, ray.time, [&](const lights::AreaLight& area) {
       return area.emitted(scene_.textures(), surface.position, uv_sets_at(scene_, hit, surface),
                           normalize(-ray.direction));
     });
@@ -125,33 +126,34 @@ class TreeTracer {
     const auto count = static_cast<std::uint32_t>(scene_.lights().size());
     if (count <= kMaxWhittedLights) {
       for (std::uint32_t i = 0; i < count; ++i) {
-        const auto u = sampler_.pad(tree_light_pad(branch.node, i));
+        const auto u = sampler_.pad(sampling::tree_light_pad(branch.node, i));
         add_light(branch, vertex, {i, 1}, {u[0], u[1]});
       }
       return;
     }
     for (std::uint32_t i = 0; i < kMaxWhittedLights; ++i) {
-      const auto u = sampler_.pad(tree_light_pad(branch.node, i));
+      const auto u = sampler_.pad(sampling::tree_light_pad(branch.node, i));
       const double stratum = (i + combine_uniforms(u[2], u[3])) / kMaxWhittedLights;
-      LightSampler::Choice choice = light_sampler_.sample(vertex.light_context(), stratum);
-      if (choice.light == kNoLight) continue;
+      lights::LightSampler::Choice choice = light_sampler_.sample(vertex.light_context(), stratum);
+      if (choice.light == lights::kNoLight) continue;
       choice.pmf *= kMaxWhittedLights;
       add_light(branch, vertex, choice, {u[0], u[1]});
     }
   }
 
   // `choice.pmf` is the expected number of samples of the light.
-  void add_light(const Branch& branch, const PathVertex& vertex, LightSampler::Choice choice, Vec2 u) {
+  void add_light(const Branch& branch, const PathVertex& vertex, lights::LightSampler::Choice choice,
+                 Vec2 u) {
     const auto light = sample_light(scene_.lights()[choice.light], scene_.textures(), vertex.light_context(),
-                                    u, MisCompensation::kOff, vertex.time());
+                                    u, lights::MisCompensation::kOff, vertex.time());
     if (!light) return;
     const Rgb reflected = reflected_light(scene_, vertex, *light, branch.enclosure, counters_);
     add(branch.weight * reflected / (light->pdf * choice.pmf), branch.depth + 1, choice.light);
   }
 
   const Scene& scene_;
-  const LightSampler& light_sampler_;
-  const Sampler& sampler_;
+  const lights::LightSampler& light_sampler_;
+  const sampling::Sampler& sampler_;
   RenderCounters& counters_;
   LightParts* parts_;
   int max_depth_;
@@ -161,9 +163,9 @@ class TreeTracer {
 
 }  // namespace
 
-Rgb trace_whitted(const RenderPlan& plan, const Sampler& sampler, const Ray& ray, RenderCounters& counters,
-                  LightParts* parts) {
+Rgb trace_whitted(const RenderPlan& plan, const sampling::Sampler& sampler, const Ray& ray,
+                  RenderCounters& counters, LightParts* parts) {
   return TreeTracer(plan, sampler, counters, parts).trace(ray);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

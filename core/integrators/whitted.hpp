@@ -6,7 +6,7 @@
 
 #include "core/integrators/render_plan.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 // Each light is sampled once; if there are more than this, the light sampler selects this many.
 inline constexpr std::uint32_t kMaxWhittedLights = 16;
@@ -16,7 +16,7 @@ inline constexpr float kMinWhittedShare = 1.0f / 4096;
 inline constexpr int kMaxWhittedRays = 1 << 16;
 
 // Counts rays in `counters`. Adds the light's parts to `parts`, if that is not null.
-Rgb trace_whitted(const RenderPlan& plan, const Sampler& sampler, const Ray& ray, RenderCounters& counters,
-                  LightParts* parts = nullptr);
+Rgb trace_whitted(const RenderPlan& plan, const sampling::Sampler& sampler, const Ray& ray,
+                  RenderCounters& counters, LightParts* parts = nullptr);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

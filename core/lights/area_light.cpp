@@ -17,7 +17,7 @@
 #include "core/sampling/warp.hpp"
 #include "core/textures/opacity.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 // n consecutive roundings change a value by at most this factor minus one (Higham 2002, section 3.1).
@@ -169,7 +169,7 @@ FoundOnSphere<T> find_on_sphere(const SphereOf<T>& sphere, T deviation, T area, 
   if (far_side_seen) cone.exists = false;
   Vec3Of<T> outward = cone.sample(p_lit - sphere.center, u);
   T pdf = cone.pdf();
-  if (!all(cone.exists)) outward = select(cone.exists, outward, sample_sphere(u));
+  if (!all(cone.exists)) outward = select(cone.exists, outward, sampling::sample_sphere(u));
   SurfacePointOf<T> point;
   point.position = sphere.center + outward * sphere.radius;
   point.position_error = (abs(sphere.center) + abs(outward) * sphere.radius) * T(rounding_bound(8)) +
@@ -262,7 +262,7 @@ AreaLight::Sample AreaLight::flat(const SurfacePoint& point, Vec3 p_lit) const {
 }
 
 AreaLight::Sample AreaLight::find(const TriangleLight& t, Vec3 p_lit, Vec2 u) const {
-  const Vec2 b = sample_triangle(u);
+  const Vec2 b = sampling::sample_triangle(u);
   const float b0 = 1 - b.x - b.y;
   const Vec3 position = t.p0 * b0 + t.p1 * b.x + t.p2 * b.y;
   const Vec3 magnitude = abs(t.p0 * b0) + abs(t.p1 * b.x) + abs(t.p2 * b.y);
@@ -409,4 +409,4 @@ LightBounds AreaLight::bounds() const {
                      mean_radiance_ * seen_area, two_sided_ && !sphere);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

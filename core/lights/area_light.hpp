@@ -14,7 +14,7 @@
 #include "core/lights/light_sample.hpp"
 #include "core/textures/texture.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 
 struct TriangleLight {
   Vec3 p0, p1, p2;
@@ -127,4 +127,4 @@ class AreaLight {
   Batch batch_;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

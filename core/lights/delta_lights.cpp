@@ -8,7 +8,7 @@
 
 #include "core/math/elementary.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 // A sample of a light at an exactly known position.
@@ -142,4 +142,4 @@ double DirectionalLight::power(double scene_radius) const {
   return static_cast<double>(mean(irradiance_)) * std::numbers::pi * scene_radius * scene_radius;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

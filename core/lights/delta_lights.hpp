@@ -12,7 +12,7 @@
 #include "core/lights/spot_description.hpp"
 #include "core/textures/texture.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 
 // Emits in all directions: uniformly, or as an equirectangular image says.
 class PointLight {
@@ -87,4 +87,4 @@ class DirectionalLight {
   Rgb irradiance_;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

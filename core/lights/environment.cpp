@@ -8,7 +8,7 @@
 
 #include "core/math/lane_array.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 // In double, which does not underflow.
@@ -119,4 +119,4 @@ double Environment::power(double scene_radius) const {
   return distribution_->radiance_over_sphere() * std::numbers::pi * scene_radius * scene_radius;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

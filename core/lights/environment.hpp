@@ -12,7 +12,7 @@
 #include "core/lights/light_sample.hpp"
 #include "core/textures/texture.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 
 class Environment {
  public:
@@ -65,4 +65,4 @@ class Environment {
   std::shared_ptr<const EnvironmentDistribution> distribution_;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

@@ -11,7 +11,7 @@
 #include "core/math/row_lookup.hpp"
 #include "core/sampling/hash.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 // Clamps the sine of the angle to the pole, because the density of interpolated texels is infinite at the
@@ -21,7 +21,7 @@ constexpr float kMinSine = 1e-6f;
 // Extends the 24 bits of each number with bits derived from all of them: after the choice of a rare cell,
 // too few of the 24 remain to choose its texels.
 Vec2Of<double> with_more_bits(Vec2 u) {
-  const std::uint64_t more = hash(std::uint64_t{as_bits(u.x)}, as_bits(u.y));
+  const std::uint64_t more = sampling::hash(std::uint64_t{as_bits(u.x)}, as_bits(u.y));
   const auto refined = [](float number, std::uint64_t bits) {
     return static_cast<double>(to_word(number * 0x1p24f)) * 0x1p-24 +
            static_cast<double>(bits >> 8) * 0x1p-48;
@@ -202,4 +202,4 @@ FloatN EnvironmentDistribution::pdf(U32xN tables, Vec2Of<FloatN> uv) const {
   return pdf.all();
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

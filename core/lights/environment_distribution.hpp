@@ -26,7 +26,7 @@
 #include "core/math/simd_integer.hpp"
 #include "core/sampling/bilinear_distribution.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 
 class EnvironmentDistribution {
  public:
@@ -102,7 +102,7 @@ class EnvironmentDistribution {
   };
   struct Texels {
     int first_column, first_row;
-    BilinearDistribution distribution;
+    sampling::BilinearDistribution distribution;
   };
   template <typename T>
   struct SharesOf;
@@ -127,4 +127,4 @@ class EnvironmentDistribution {
   double radiance_over_sphere_ = 0;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

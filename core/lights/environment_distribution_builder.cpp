@@ -15,7 +15,7 @@
 #include "core/math/elementary.hpp"
 #include "core/sampling/shares.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 // Fraction of the samples that are uniform, so that a faint sky is sampled beside an arbitrarily bright
@@ -68,7 +68,7 @@ struct Heights {
 template <std::size_t kCount>
 std::array<std::int16_t, kCount + 1> shares_of(const double* weights, std::int16_t whole) {
   std::array<std::int16_t, kCount + 1> begins;
-  cumulate_shares<std::int16_t>({weights, kCount}, whole, begins);
+  sampling::cumulate_shares<std::int16_t>({weights, kCount}, whole, begins);
   return begins;
 }
 
@@ -219,7 +219,7 @@ class EnvironmentDistributionBuilder {
 
   // Texels that are not entirely black get positive weight, so that the density is positive wherever there
   // is light.
-  BilinearDistribution texels(const Bounds& within) const {
+  sampling::BilinearDistribution texels(const Bounds& within) const {
     std::vector<double> weights;
     for_each(within, [&](double mean, double angle, int column, int row) {
       weights.push_back(mean > 0 ? lit_density(radiance_around(within, column, row)) * angle : 0);
@@ -342,4 +342,4 @@ EnvironmentDistribution EnvironmentDistribution::build(int width, int height,
   return EnvironmentDistributionBuilder(width, height, means, radiance_at, map).build();
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

@@ -9,7 +9,7 @@
 #include "core/math/transform.hpp"
 #include "core/math/vec3.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 
 class EquirectangularMap {
  public:
@@ -72,4 +72,4 @@ class EquirectangularMap {
   Vec3 x_axis_, y_axis_, z_axis_;  // of the orientation
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

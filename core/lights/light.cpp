@@ -7,7 +7,7 @@
 #include "core/base/overloaded.hpp"
 #include "core/math/lane_array.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 // Light samples that are computed one by one.
@@ -179,4 +179,4 @@ std::optional<LightBounds> bounds(const Light& light) {
                     light);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

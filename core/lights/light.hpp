@@ -19,7 +19,7 @@
 #include "core/lights/light_sample_context.hpp"
 #include "core/lights/moving_area_light.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 
 using Light = std::variant<AreaLight, MovingAreaLight, PointLight, SpotLight, DirectionalLight, Environment>;
 static_assert(sizeof(Light) <= 128, "there may be a hundred thousand of them");
@@ -47,4 +47,4 @@ double power(const Light& light, double scene_radius);
 // Spatial and directional bounds of the light; nothing for lights at infinity.
 std::optional<LightBounds> bounds(const Light& light);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <tuple>
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 // The unit vector perpendicular to `axis` on the side of `toward`; zero if they are parallel.
@@ -80,4 +80,4 @@ double LightBounds::orientation_measure() const {
   return std::numbers::pi * (2 * (1 - cos_o) + cos_o * (1 - cos_e * cos_e) + sin_o * spread);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

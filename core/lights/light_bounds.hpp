@@ -6,7 +6,7 @@
 #include "core/geometry/aabb.hpp"
 #include "core/math/vec3.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 
 // Directions within an angle theta_o of an axis, which bound the normals of the lights. At most a
 // hemisphere, or all directions.
@@ -71,4 +71,4 @@ class LightBounds {
   double power_ = 0;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

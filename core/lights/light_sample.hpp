@@ -9,7 +9,7 @@
 #include "core/math/simd_double.hpp"
 #include "core/math/vec3.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 
 // Light that arrives at the reference point from `wi`, visibility not included. Its contribution is bsdf *
 // cos * radiance / pdf for every type of light.
@@ -32,4 +32,4 @@ struct LightSamples {
   SurfacePointOf<FloatN> point;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

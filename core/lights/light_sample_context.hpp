@@ -5,7 +5,7 @@
 #include "core/math/simd.hpp"
 #include "core/math/vec3.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 
 template <typename T>
 struct LightSampleContextOf {
@@ -15,4 +15,4 @@ struct LightSampleContextOf {
 using LightSampleContext = LightSampleContextOf<float>;
 using LightSampleContexts = LightSampleContextOf<FloatN>;  // in lanes
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

@@ -7,7 +7,7 @@
 
 #include "core/lights/normal_bins.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 // Fraction of the choices that are uniform over all lights.
@@ -180,4 +180,4 @@ float LightSampler::pmf(const LightSampleContext& point, std::uint32_t light,
   return by_place ? with_uniform(at, {light, *by_place}) : 0;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

@@ -24,7 +24,7 @@
 #include "core/lights/light_tree.hpp"
 #include "core/math/lane_array.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 
 class LightSampler {
  public:
@@ -104,4 +104,4 @@ class LightSampler {
   std::optional<EnvironmentLight> environment_;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

@@ -5,7 +5,7 @@
 
 #include "core/math/simd.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 constexpr double kBelowOne = 1 - 0x1p-53;
@@ -173,4 +173,4 @@ float LightTree::pmf(const Weights& root, const LightSampleContext& point, std::
   return root.sum() > 0 ? pmf * root.share(at) : 0;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

@@ -13,7 +13,7 @@
 #include "core/math/simd.hpp"
 #include "core/math/vec3.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 
 inline constexpr std::uint32_t kNoLight = 0xffffffffu;
 
@@ -109,4 +109,4 @@ inline float LightTree::pmf(const LightSampleContext& point, std::uint32_t light
   return pmf(weigh_root(point), point, light);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

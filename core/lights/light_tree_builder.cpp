@@ -13,7 +13,7 @@
 #include "core/base/top_down.hpp"
 #include "core/lights/light_tree.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 constexpr std::size_t kBins = 12;
@@ -266,4 +266,4 @@ LightTree LightTree::build(std::vector<Item> items, int threads) {
   return LightTreeBuilder(BinaryBuilder(std::move(items)).build(threads), most_lights).take();
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

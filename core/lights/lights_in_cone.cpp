@@ -6,7 +6,7 @@
 
 #include "core/math/simd.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 constexpr double kLargestBelowOne = 1 - 0x1p-53;
@@ -127,4 +127,4 @@ float LightsInCone::pmf(std::uint32_t light) const {
   }
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

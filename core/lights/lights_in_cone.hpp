@@ -11,7 +11,7 @@
 #include "core/geometry/double_cone.hpp"
 #include "core/lights/light_tree.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 
 class LightsInCone {
  public:
@@ -53,4 +53,4 @@ class LightsInCone {
   double sum_ = 0, solid_angle_ = 0;  // sums over parts
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

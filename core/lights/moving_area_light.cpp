@@ -8,7 +8,7 @@
 #include "core/base/overloaded.hpp"
 #include "core/geometry/object_point.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 constexpr float kTimes[] = {0, 0.5f, 1};
@@ -70,4 +70,4 @@ LightShape placed(const LightShape& shape, const Placement& placement) {
       shape);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

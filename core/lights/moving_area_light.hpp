@@ -7,7 +7,7 @@
 #include "core/geometry/moving_placement.hpp"
 #include "core/lights/area_light.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 
 class MovingAreaLight {
  public:
@@ -36,4 +36,4 @@ class MovingAreaLight {
 // A light of an object as its instance has it.
 LightShape placed(const LightShape& shape, const Placement& placement);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

@@ -6,7 +6,7 @@
 #include "core/math/octahedral_map.hpp"
 #include "core/math/word_lanes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 
 inline constexpr int kFacingsAcross = 12;
 inline constexpr std::uint32_t kAllSides = kFacingsAcross * kFacingsAcross;
@@ -29,4 +29,4 @@ inline Vec3 bin_normal(std::uint32_t facing, Vec2 place) {
   return from_octahedral_square<float>((corner + place) * (1.0f / kFacingsAcross));
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

@@ -4,7 +4,7 @@
 
 #include "core/math/vec3.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 
 // From the full intensity to zero at the edge of the cone.
 enum class SpotFalloff {
@@ -25,4 +25,4 @@ struct ProjectedImage {
   bool operator==(const ProjectedImage&) const = default;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

@@ -22,7 +22,7 @@ inline float henyey_greenstein(float g, float cosine) {
 
 // Samples a direction in proportion to the above; `travel` has unit length. Exact inversion (Witt 1977).
 inline Vec3 sample_henyey_greenstein(float g, Vec3 travel, Vec2 u) {
-  if (std::fabs(g) < 1e-6f) return sample_sphere(u);  // the inversion below would cancel
+  if (std::fabs(g) < 1e-6f) return sampling::sample_sphere(u);  // the inversion below would cancel
   const double a = static_cast<double>(g), x = static_cast<double>(u.x);
   const double s = (1 - a * a) / (1 + a - 2 * a * x);
   const auto cosine = static_cast<float>(std::clamp((1 + a * a - s * s) / (2 * a), -1.0, 1.0));

@@ -43,7 +43,7 @@ Rgb emitted_along(const MediumPoint& medium, Rgb transmitted) {
 }
 
 Collision sample_homogeneous(const Medium& medium, const Ray& ray, float t_max, int hero,
-                             NumberStream& numbers, SpectralWeights& weights) {
+                             sampling::NumberStream& numbers, SpectralWeights& weights) {
   const MediumPoint& everywhere = medium.everywhere();
   const Rgb sigma_t = everywhere.sigma_t();
   const double whole = length_to(ray, t_max);
@@ -76,7 +76,7 @@ Collision sample_homogeneous(const Medium& medium, const Ray& ray, float t_max, 
 // The way through a medium of grids, from one tentative collision to the next.
 class Tracker {
  public:
-  Tracker(const Medium& medium, const Ray& ray, float t_max, int hero, NumberStream& numbers)
+  Tracker(const Medium& medium, const Ray& ray, float t_max, int hero, sampling::NumberStream& numbers)
       : way_(medium, ray, t_max), hero_(hero), numbers_(numbers) {
     enter_next_segment();
   }
@@ -121,7 +121,7 @@ class Tracker {
 
   MediumRay way_;
   const int hero_;
-  NumberStream& numbers_;
+  sampling::NumberStream& numbers_;
   std::optional<MajorantSegment> segment_;
   float t_ = 0;
   int collisions_ = 0;
@@ -135,8 +135,8 @@ void attenuate(SpectralWeights& weights, Rgb null, Rgb majorant, float density) 
 
 }  // namespace
 
-Collision sample_collision(const Medium& medium, const Ray& ray, float t_max, int hero, NumberStream& numbers,
-                           SpectralWeights& weights) {
+Collision sample_collision(const Medium& medium, const Ray& ray, float t_max, int hero,
+                           sampling::NumberStream& numbers, SpectralWeights& weights) {
   if (medium.is_homogeneous()) return sample_homogeneous(medium, ray, t_max, hero, numbers, weights);
   Collision collision;
   Tracker tracker(medium, ray, t_max, hero, numbers);
@@ -168,7 +168,7 @@ Collision sample_collision(const Medium& medium, const Ray& ray, float t_max, in
 }
 
 void estimate_transmittance(const Medium& medium, const Ray& ray, float t_max, int hero,
-                            NumberStream& numbers, SpectralWeights& weights) {
+                            sampling::NumberStream& numbers, SpectralWeights& weights) {
   if (medium.is_homogeneous()) {
     const Rgb transmitted = beam_transmittance(medium.everywhere().sigma_t(), length_to(ray, t_max));
     weights.throughput *= transmitted;

@@ -38,12 +38,12 @@ struct Collision {
 
 // Samples where the ray scatters before t_max. `weights` are those of the path, up to the ray's origin before
 // and up to the collision or t_max after; `light` is unspecified after a collision.
-Collision sample_collision(const Medium& medium, const Ray& ray, float t_max, int hero, NumberStream& numbers,
-                           SpectralWeights& weights);
+Collision sample_collision(const Medium& medium, const Ray& ray, float t_max, int hero,
+                           sampling::NumberStream& numbers, SpectralWeights& weights);
 
 // Multiplies the weights of a shadow ray by an unbiased estimate of its transmittance up to t_max, and by the
 // densities. `throughput` becomes black if Russian roulette ends the estimate.
 void estimate_transmittance(const Medium& medium, const Ray& ray, float t_max, int hero,
-                            NumberStream& numbers, SpectralWeights& weights);
+                            sampling::NumberStream& numbers, SpectralWeights& weights);
 
 }  // namespace tessera::core

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 namespace {
 
 // Linear interpolation is a sum of tent functions, one at each cell centre, which end at the neighbouring
@@ -54,4 +54,4 @@ float BilinearDistribution::density(Vec2 place) const {
   return static_cast<float>(rows.interpolate(in_row(rows.first), in_row(rows.second)));
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

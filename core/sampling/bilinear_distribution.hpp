@@ -8,7 +8,7 @@
 #include "core/math/vec3.hpp"
 #include "core/sampling/distribution.hpp"
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 
 class BilinearDistribution {
  public:
@@ -29,4 +29,4 @@ class BilinearDistribution {
   GridDistribution cells_;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

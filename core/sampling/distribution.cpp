@@ -7,7 +7,7 @@
 
 #include "core/sampling/shares.hpp"
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 namespace {
 
 constexpr std::uint32_t kWhole = std::uint32_t{1} << 31;
@@ -93,4 +93,4 @@ GridDistribution::Choice GridDistribution::sample(Vec2Of<double> u) const {
   return {static_cast<int>(cell.cell), static_cast<int>(row.cell), {cell.within, row.within}};
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

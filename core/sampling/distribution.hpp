@@ -9,7 +9,7 @@
 
 #include "core/math/vec3.hpp"
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 
 class DiscreteDistribution {
  public:
@@ -87,4 +87,4 @@ class GridDistribution {
   GuidedCells cells_;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

@@ -6,7 +6,7 @@
 
 #include "core/math/elementary.hpp"
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 namespace {
 
 // The normal distribution's probability below -3.
@@ -43,4 +43,4 @@ float sample_truncated_normal(float u, float radius) {
   return std::clamp(sigmas / 3, -1.0f, 1.0f) * radius;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

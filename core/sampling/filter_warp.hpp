@@ -3,7 +3,7 @@
 // preserves stratification, and symmetric around 0. Stateless; thread-safe.
 #pragma once
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 
 // Uniform between -radius and radius.
 float sample_box(float u, float radius);
@@ -15,4 +15,4 @@ float sample_tent(float u, float radius);
 // distribution is inverted to within 1e-6 of the radius.
 float sample_truncated_normal(float u, float radius);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

@@ -6,7 +6,7 @@
 
 #include "core/math/lanes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 
 // A bijection of 64-bit numbers (scalar or vector) in which every output bit depends on all input bits
 // (Steele, Lea and Flood 2014, the finalizer of SplitMix64, variant 13 of Stafford 2011).
@@ -28,4 +28,4 @@ constexpr auto unit_float(U bits) {
   return to_float(bits >> 8) * 0x1p-24f;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

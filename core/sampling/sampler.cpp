@@ -3,7 +3,7 @@
 
 #include "core/sampling/sobol.hpp"
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 
 namespace {
 
@@ -71,4 +71,4 @@ std::array<double, 3> Sampler::film_dither() const {
   return {part(0), part(21), part(42)};
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

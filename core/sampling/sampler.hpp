@@ -13,7 +13,7 @@
 #include "core/math/simd.hpp"
 #include "core/sampling/hash.hpp"
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 
 // A sequence of independent random numbers, for decisions whose number nobody knows in advance. The first
 // ones may come from a pad.
@@ -121,4 +121,4 @@ inline constexpr std::uint32_t opacity_pad(std::uint64_t ray, std::uint32_t cros
   return static_cast<std::uint32_t>(hash(hash(kOpacityKey, ray), crossing / kCrossingsPerPad));
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

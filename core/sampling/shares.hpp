@@ -8,7 +8,7 @@
 #include <numeric>
 #include <span>
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 
 // The start of each weight's share, followed by the end of the last one: one entry more than weights. Every
 // non-zero weight gets one unit, and its proportion of the remaining units. Weights are non-negative, and
@@ -32,4 +32,4 @@ void cumulate_shares(std::span<const double> weights, Unit whole, std::span<Unit
   }
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/sampling/sobol.hpp"
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 namespace {
 
 using Point = std::array<std::uint32_t, kSobolDimensions>;
@@ -85,4 +85,4 @@ std::array<U32xN, kSobolDimensions> sobol_reversed(U32xN index) {
   return transpose(points);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

@@ -8,7 +8,7 @@
 
 #include "core/math/simd_integer.hpp"
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 
 inline constexpr int kSobolDimensions = 4;
 
@@ -36,4 +36,4 @@ constexpr U owen_scramble_reversed(U v, U seed) {
   return v ^ (v * 0x53a22864u);
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

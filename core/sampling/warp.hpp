@@ -8,7 +8,7 @@
 #include "core/math/elementary.hpp"
 #include "core/math/vec3.hpp"
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 
 // Uniform on the unit disk; continuous (Shirley and Chiu 1997).
 template <typename T = float>
@@ -75,4 +75,4 @@ inline Vec2 sample_triangle(Vec2 u) {
   return {u.x - b2, b2};
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

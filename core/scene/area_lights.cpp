@@ -26,12 +26,12 @@ double mean_radiance(const Material& material, const std::vector<Texture>& textu
   return static_cast<double>(mean(emission.value * texture.mean(textures))) * opacity;
 }
 
-CylinderLight cylinder_light(const Cylinder& cylinder) {
+lights::CylinderLight cylinder_light(const Cylinder& cylinder) {
   const Transform t = cylinder.transform();
   return {t.origin, t.z_axis, t.x_axis, t.y_axis, cylinder.flipped()};
 }
 
-TriangleLight triangle_light(const Primitives& primitives, std::uint32_t p, bool is_textured) {
+lights::TriangleLight triangle_light(const Primitives& primitives, std::uint32_t p, bool is_textured) {
   const auto [p0, p1, p2] = primitives.triangle_corners(p);
   if (!is_textured) return {p0, p1, p2};
   const auto first = primitives.triangle_uvs(p), second = primitives.triangle_uvs(p, UvSet::kSecond);
@@ -41,11 +41,12 @@ TriangleLight triangle_light(const Primitives& primitives, std::uint32_t p, bool
 }
 
 // `is_textured`: whether its radiance or opacity has a texture.
-LightShape shape_of(const Primitives& primitives, std::uint32_t p, bool is_textured) {
-  if (primitives.is_sphere(p)) return SphereLight{primitives.sphere(p).center, primitives.sphere(p).radius};
+lights::LightShape shape_of(const Primitives& primitives, std::uint32_t p, bool is_textured) {
+  if (primitives.is_sphere(p))
+    return lights::SphereLight{primitives.sphere(p).center, primitives.sphere(p).radius};
   if (primitives.is_disk(p)) {
     const Disk& d = primitives.disk(p);
-    return DiskLight{d.center, d.radius_u, d.radius_v, d.inner};
+    return lights::DiskLight{d.center, d.radius_u, d.radius_v, d.inner};
   }
   if (primitives.is_cylinder(p)) return cylinder_light(primitives.cylinder(p));
   return triangle_light(primitives, p, is_textured);
@@ -64,32 +65,35 @@ std::vector<std::uint32_t> for_each_light_shape(const Primitives& primitives,
   for (std::uint32_t p = 0, size; p < count; p += size) {
     const bool is_quad = quad != quads.end() && quad->first == p;
     size = is_quad ? 2 : 1;
-    const std::uint32_t light = emissive(p) ? add(p, is_quad ? &quad->shape : nullptr) : kNoLight;
+    const std::uint32_t light = emissive(p) ? add(p, is_quad ? &quad->shape : nullptr) : lights::kNoLight;
     if (is_quad) ++quad;
-    if (light == kNoLight) continue;
-    lights.resize(p, kNoLight);
+    if (light == lights::kNoLight) continue;
+    lights.resize(p, lights::kNoLight);
     lights.resize(p + size, light);
   }
   return lights;
 }
 
 // The outward normal of a flat shape at its middle; zero for others.
-Vec3 front_of(const LightShape& shape, const Primitives& primitives, Hit middle) {
-  if (std::holds_alternative<SphereLight>(shape) || std::holds_alternative<CylinderLight>(shape)) return {};
+Vec3 front_of(const lights::LightShape& shape, const Primitives& primitives, Hit middle) {
+  if (std::holds_alternative<lights::SphereLight>(shape) ||
+      std::holds_alternative<lights::CylinderLight>(shape))
+    return {};
   middle.b1 = middle.b2 = 1.0f / 3;
   return primitives.surface(Ray{}, middle).geometric_normal;
 }
 
 // `shape` is in the space of the primitives, or of the instance's object.
-Light light_at(const LightShape& shape, const Primitives& primitives, const Hit& middle,
-               const SurfaceEmission& emission) {
-  if (!middle.in_instance()) return AreaLight(shape, front_of(shape, primitives, middle), emission);
+lights::Light light_at(const lights::LightShape& shape, const Primitives& primitives, const Hit& middle,
+                       const lights::SurfaceEmission& emission) {
+  if (!middle.in_instance()) return lights::AreaLight(shape, front_of(shape, primitives, middle), emission);
   const Instance& instance = primitives.instance(middle.instance);
   if (instance.motion == kStill)
-    return AreaLight(placed(shape, instance.placement), front_of(shape, primitives, middle), emission);
+    return lights::AreaLight(placed(shape, instance.placement), front_of(shape, primitives, middle),
+                             emission);
   const Hit in_object{.primitive = middle.primitive};
-  return MovingAreaLight(shape, front_of(shape, primitives.object_of(instance), in_object), emission,
-                         primitives.motion_of(instance));
+  return lights::MovingAreaLight(shape, front_of(shape, primitives.object_of(instance), in_object), emission,
+                                 primitives.motion_of(instance));
 }
 
 }  // namespace
@@ -102,7 +106,9 @@ AreaLightFinder::AreaLightFinder(const std::vector<Material>& materials, const s
 void AreaLightFinder::find(const Primitives& primitives, const Quads& quads) {
   map_.own_ = for_each_light_shape(
       primitives, quads.own, [&](std::uint32_t p) { return mean_radiances_[primitives.material(p)] > 0; },
-      [&](std::uint32_t p, const QuadLight* quad) { return add_light(quad, primitives, {.primitive = p}); });
+      [&](std::uint32_t p, const lights::QuadLight* quad) {
+        return add_light(quad, primitives, {.primitive = p});
+      });
   find_in_instances(primitives, quads);
 }
 
@@ -137,9 +143,9 @@ LightMap::Table AreaLightFinder::find_in_instance(const Primitives& scene, std::
       [&](std::uint32_t p) {
         return mean_radiances_[scene.material({.primitive = p, .instance = number})] > 0;
       },
-      [&](std::uint32_t p, const QuadLight* quad) {
+      [&](std::uint32_t p, const lights::QuadLight* quad) {
         const std::uint32_t light = add_light(quad, scene, {.primitive = p, .instance = number});
-        return light == kNoLight ? kNoLight : light - first;
+        return light == lights::kNoLight ? lights::kNoLight : light - first;
       });
 }
 
@@ -154,18 +160,20 @@ std::uint32_t AreaLightFinder::share_table(const Instance& instance, LightMap::T
 }
 
 // Returns kNoLight if the light has no power. `middle` identifies the primitive.
-std::uint32_t AreaLightFinder::add_light(const QuadLight* quad, const Primitives& primitives,
+std::uint32_t AreaLightFinder::add_light(const lights::QuadLight* quad, const Primitives& primitives,
                                          const Hit& middle) {
   const std::uint32_t material_id = primitives.material(middle);
   const Material& material = materials_[material_id];
   const bool is_textured = material.emission.texture >= 0 || material.opacity.texture >= 0;
-  const LightShape shape =
-      quad != nullptr ? LightShape(*quad) : shape_of(primitives.owner(middle), middle.primitive, is_textured);
-  const SurfaceEmission emission{material.emission, mean_radiances_[material_id], material.two_sided_emission,
-                                 material.opacity, !emits_in_passing(material)};
-  const Light light = light_at(shape, primitives, middle, emission);
+  const lights::LightShape shape = quad != nullptr
+                                       ? lights::LightShape(*quad)
+                                       : shape_of(primitives.owner(middle), middle.primitive, is_textured);
+  const lights::SurfaceEmission emission{material.emission, mean_radiances_[material_id],
+                                         material.two_sided_emission, material.opacity,
+                                         !emits_in_passing(material)};
+  const lights::Light light = light_at(shape, primitives, middle, emission);
   const double watts = power(light, 1);
-  if (!(watts > 0 && std::isfinite(watts))) return kNoLight;
+  if (!(watts > 0 && std::isfinite(watts))) return lights::kNoLight;
   lights_.push_back(light);
   materials_of_lights_.push_back(material_id);
   return static_cast<std::uint32_t>(lights_.size()) - 1;

@@ -36,15 +36,15 @@ class LightMap {
   static constexpr std::uint32_t kNoTable = 0xffffffffu;
 
   static std::uint32_t entry(const Table& table, std::uint32_t primitive) {
-    return primitive < table.size() ? table[primitive] : kNoLight;
+    return primitive < table.size() ? table[primitive] : lights::kNoLight;
   }
 
   std::uint32_t light_in_instance(const Hit& hit) const {
-    if (instances_.empty()) return kNoLight;
+    if (instances_.empty()) return lights::kNoLight;
     const InstanceLights& lights = instances_[hit.instance];
-    if (lights.table == kNoTable) return kNoLight;
+    if (lights.table == kNoTable) return lights::kNoLight;
     const std::uint32_t number = entry(tables_[lights.table], hit.primitive);
-    return number == kNoLight ? kNoLight : lights.first_light + number;
+    return number == lights::kNoLight ? lights::kNoLight : lights.first_light + number;
   }
 
   Table own_;
@@ -66,7 +66,7 @@ class AreaLightFinder {
   // left out.
   void find(const Primitives& scene, const Quads& quads);
 
-  std::vector<Light> take_lights() { return std::move(lights_); }
+  std::vector<lights::Light> take_lights() { return std::move(lights_); }
   // Of each light.
   const std::vector<std::uint32_t>& materials() const { return materials_of_lights_; }
   LightMap take_map() { return std::move(map_); }
@@ -78,11 +78,11 @@ class AreaLightFinder {
                                    const std::vector<Model::Quad>& quads);
   std::uint32_t share_table(const Instance& instance, LightMap::Table table);
   // `quad` is that of the primitive, or null.
-  std::uint32_t add_light(const QuadLight* quad, const Primitives& primitives, const Hit& middle);
+  std::uint32_t add_light(const lights::QuadLight* quad, const Primitives& primitives, const Hit& middle);
 
   const std::vector<Material>& materials_;
   std::vector<double> mean_radiances_;  // of the emission of each material
-  std::vector<Light> lights_;
+  std::vector<lights::Light> lights_;
   std::vector<std::uint32_t> materials_of_lights_;
   LightMap map_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> tables_;  // by object and material

@@ -127,8 +127,8 @@ struct SpotLightDescription {
   Rgb intensity;             // watts per steradian, on the axis
   float angle_degrees = 45;  // full angle of the cone
   float softness = 0.2f;     // fraction of the cone, from its edge inwards, with falloff
-  SpotFalloff falloff = SpotFalloff::kSmooth;
-  ProjectedImage image{};
+  lights::SpotFalloff falloff = lights::SpotFalloff::kSmooth;
+  lights::ProjectedImage image{};
   std::string light_group{};
 };
 

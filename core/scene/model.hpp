@@ -16,7 +16,7 @@ struct Model {
   // The two triangles of a quad. They form a single light.
   struct Quad {
     std::uint32_t first;
-    QuadLight shape;
+    lights::QuadLight shape;
   };
 
   Primitives primitives;

@@ -16,36 +16,37 @@
 namespace tessera::core {
 namespace {
 
-Light make_light(const LightDescription& description, const std::vector<Texture>& textures) {
+lights::Light make_light(const LightDescription& description, const std::vector<Texture>& textures) {
   const auto image_of = [&](int texture) -> std::shared_ptr<const TextureImage> {
     return texture < 0 ? nullptr : textures[static_cast<std::size_t>(texture)].image;
   };
   return std::visit(Overloaded{
-                        [&](const PointLightDescription& d) -> Light {
-                          return PointLight(d.position, d.intensity, image_of(d.texture), d.orientation);
+                        [&](const PointLightDescription& d) -> lights::Light {
+                          return lights::PointLight(d.position, d.intensity, image_of(d.texture),
+                                                    d.orientation);
                         },
-                        [&](const SpotLightDescription& d) -> Light {
+                        [&](const SpotLightDescription& d) -> lights::Light {
                           const auto image = image_of(d.image.texture);
-                          return SpotLight(
+                          return lights::SpotLight(
                               d.position, d.intensity,
                               {normalize(d.look_at - d.position), d.angle_degrees, d.softness, d.falloff},
                               d.image, image ? image->mean() : Rgb::gray(1));
                         },
-                        [](const DirectionalLightDescription& d) -> Light {
-                          return DirectionalLight(normalize(d.direction), d.irradiance);
+                        [](const DirectionalLightDescription& d) -> lights::Light {
+                          return lights::DirectionalLight(normalize(d.direction), d.irradiance);
                         },
                     },
                     description);
 }
 
-std::optional<Light> environment_of(const std::optional<EnvironmentDescription>& environment,
-                                    const std::vector<Texture>& textures) {
+std::optional<lights::Light> environment_of(const std::optional<EnvironmentDescription>& environment,
+                                            const std::vector<Texture>& textures) {
   if (!environment) return std::nullopt;
   const EnvironmentDescription& d = *environment;
   const int texture = d.radiance.texture;
-  return Environment(d.radiance.value,
-                     texture < 0 ? nullptr : textures[static_cast<std::size_t>(texture)].image,
-                     d.rotation_degrees, d.orientation, d.visible_to_camera);
+  return lights::Environment(d.radiance.value,
+                             texture < 0 ? nullptr : textures[static_cast<std::size_t>(texture)].image,
+                             d.rotation_degrees, d.orientation, d.visible_to_camera);
 }
 
 // Whether lights change without any motion: materials may emit.
@@ -166,7 +167,8 @@ void Scene::open_shutter() {
 }
 
 // Leaves out lights without power, which contribute nothing and could not be sampled.
-void Scene::find_lights(const std::vector<LightDescription>& lights, std::optional<Light> environment) {
+void Scene::find_lights(const std::vector<LightDescription>& lights,
+                        std::optional<lights::Light> environment) {
   AreaLightFinder finder(materials_, textures_);
   finder.find(primitives_, quads_);
   groups_of_lights_.clear();
@@ -174,13 +176,13 @@ void Scene::find_lights(const std::vector<LightDescription>& lights, std::option
   lights_ = finder.take_lights();
   light_map_ = finder.take_map();
   const double bounds = primitives_.bounding_radius(), radius = bounds > 0 ? bounds : 1;
-  const auto has_power = [radius](const Light& light) { return power(light, radius) > 0; };
+  const auto has_power = [radius](const lights::Light& light) { return power(light, radius) > 0; };
   for (const LightDescription& each : lights)
-    if (const Light light = make_light(each, textures_); has_power(light)) {
+    if (const lights::Light light = make_light(each, textures_); has_power(light)) {
       lights_.push_back(light);
       add_group(light_group_of(each));
     }
-  environment_light_ = kNoLight;
+  environment_light_ = lights::kNoLight;
   if (environment && has_power(*environment)) {
     environment_light_ = static_cast<std::uint32_t>(lights_.size());
     lights_.push_back(*std::move(environment));
@@ -188,7 +190,7 @@ void Scene::find_lights(const std::vector<LightDescription>& lights, std::option
   }
 }
 
-Result<Scene> Scene::build(SceneDescription description, int threads, std::optional<Bvh> bvh) {
+Result<Scene> Scene::build(SceneDescription description, int threads, std::optional<accel::Bvh> bvh) {
   if (auto ok = validate_scene(description); !ok) return fail(ok.error());
 
   Scene scene;
@@ -207,7 +209,7 @@ Result<Scene> Scene::build(SceneDescription description, int threads, std::optio
   scene.add_shapes(description);
   scene.open_shutter();
   scene.find_lights(description.lights, environment_of(description.environment, scene.textures_));
-  scene.bvh_ = bvh ? std::move(*bvh) : Bvh::build(scene.primitives_, threads);
+  scene.bvh_ = bvh ? std::move(*bvh) : accel::Bvh::build(scene.primitives_, threads);
   return scene;
 }
 
@@ -216,9 +218,9 @@ bool Scene::gives_light() const {
          std::any_of(media_.begin(), media_.end(), [](const Medium& medium) { return medium.emits(); });
 }
 
-std::optional<Light> Scene::environment_at(const Pose& pose) {
+std::optional<lights::Light> Scene::environment_at(const Pose& pose) {
   if (!animation().environment.empty()) return environment_of(pose.environment, textures_);
-  if (environment_light_ == kNoLight) return std::nullopt;
+  if (environment_light_ == lights::kNoLight) return std::nullopt;
   return std::move(lights_[environment_light_]);
 }
 

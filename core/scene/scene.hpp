@@ -27,7 +27,7 @@ class Scene {
  public:
   // Errors name the invalid shape or material. The result does not depend on `threads`, nor on `bvh`, which
   // may be a tree built earlier from the same description.
-  static Result<Scene> build(SceneDescription description, int threads, std::optional<Bvh> bvh = {});
+  static Result<Scene> build(SceneDescription description, int threads, std::optional<accel::Bvh> bvh = {});
 
   // Shows another frame; a scene that was built shows frame 0. The result is that of a scene that was never
   // at another frame, bit for bit. Nothing else may use the scene meanwhile. Other geometry, textures and the
@@ -64,11 +64,11 @@ class Scene {
   // Whether the image depends on the times of rays: something moves while the shutter is open.
   bool has_motion() const { return camera_moves_ || primitives_.has_motion(); }
   const Primitives& primitives() const { return primitives_; }
-  const Bvh& bvh() const { return bvh_; }
+  const accel::Bvh& bvh() const { return bvh_; }
   const std::vector<Texture>& textures() const { return textures_; }
   const std::vector<Material>& materials() const { return materials_; }
   // All lights with power: area lights, then delta lights, then the environment.
-  const std::vector<Light>& lights() const { return lights_; }
+  const std::vector<lights::Light>& lights() const { return lights_; }
   // Those that lights, materials and the environment name, sorted.
   const std::vector<std::string>& light_groups() const { return light_groups_; }
   // The index of the light's group among these, or kNoLightGroup.
@@ -101,12 +101,14 @@ class Scene {
   // Calls what(area_light) with the light of this index, which light_of() returned, at the time of the hit.
   template <typename What>
   auto with_area_light(std::uint32_t light, float time, const What& what) const {
-    const auto* still = std::get_if<AreaLight>(&lights_[light]);
-    return still ? what(*still) : what(std::get_if<MovingAreaLight>(&lights_[light])->at(time));
+    const auto* still = std::get_if<lights::AreaLight>(&lights_[light]);
+    return still ? what(*still) : what(std::get_if<lights::MovingAreaLight>(&lights_[light])->at(time));
   }
   // The index of the Environment that escaped rays see, or kNoLight.
   std::uint32_t environment_light() const { return environment_light_; }
-  const Environment& environment() const { return *std::get_if<Environment>(&lights_[environment_light_]); }
+  const lights::Environment& environment() const {
+    return *std::get_if<lights::Environment>(&lights_[environment_light_]);
+  }
 
  private:
   // Sets materials and media as they are described, with the media that materials add.
@@ -117,12 +119,12 @@ class Scene {
   RayOf<FloatN> moving_camera_rays(Vec2Of<FloatN> raster, int width_px, int height_px, Vec2Of<FloatN> u_lens,
                                    FloatN time) const;
   // The environment at a pose: that of the present frame, which is moved from, if it has no keyframes.
-  std::optional<Light> environment_at(const Pose& pose);
+  std::optional<lights::Light> environment_at(const Pose& pose);
   // Lets move at the present frame what moves while the shutter is open, and places what stands still
   // meanwhile, but not between the frame and that time. Sets the camera.
   void open_shutter();
   // All lights, for the present placements of instances.
-  void find_lights(const std::vector<LightDescription>& lights, std::optional<Light> environment);
+  void find_lights(const std::vector<LightDescription>& lights, std::optional<lights::Light> environment);
   void add_group(const std::string& name) {
     if (!light_groups_.empty()) groups_of_lights_.push_back(index_of_group(light_groups_, name));
   }
@@ -137,7 +139,7 @@ class Scene {
   Primitives primitives_;
   SceneIds ids_;
   AreaLightFinder::Quads quads_;
-  Bvh bvh_;
+  accel::Bvh bvh_;
   std::vector<Texture> textures_;
   std::vector<Material> materials_;
   NestedDielectrics nested_dielectrics_;
@@ -146,11 +148,11 @@ class Scene {
   std::vector<Medium> media_;
   int camera_medium_ = kNoMedium;
   bool has_media_ = false;
-  std::vector<Light> lights_;
+  std::vector<lights::Light> lights_;
   std::vector<std::string> light_groups_;
   std::vector<std::uint32_t> groups_of_lights_;  // empty without groups
   LightMap light_map_;
-  std::uint32_t environment_light_ = kNoLight;
+  std::uint32_t environment_light_ = lights::kNoLight;
   std::string environment_group_;
 };
 

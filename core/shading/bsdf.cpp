@@ -6,7 +6,7 @@
 #include "core/shading/bsdf_at.hpp"
 #include "core/shading/layered_materials.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 template <typename T>
 typename BsdfOf<T>::AtPoint BsdfOf<T>::look_up(const MaterialsOf<T>& materials,
@@ -139,11 +139,11 @@ T BsdfOf<T>::transmitted_eta() const {
 
 template <typename T>
 BsdfSampleOf<T> BsdfOf<T>::sample_uniformly(Vec3Of<T> wo_local, Vec2Of<T> u) const {
-  const Vec3Of<T> wi = select(transmits(), sample_sphere(u), sample_hemisphere(u));
+  const Vec3Of<T> wi = select(transmits(), sampling::sample_sphere(u), sampling::sample_hemisphere(u));
   return weighed_sample<T>(!(wo_local.z <= 0), wi, evaluate(wo_local, wi, wi.z), transmitted_eta());
 }
 
 template class BsdfOf<float>;
 template class BsdfOf<FloatN>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

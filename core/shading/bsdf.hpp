@@ -20,7 +20,7 @@
 #include "core/shading/phong.hpp"
 #include "core/shading/specular.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 // T is float for one point, or FloatN for one in each lane.
 template <typename T>
@@ -102,4 +102,4 @@ class Bsdf : public BsdfOf<float> {
   bool black_;  // the back of a surface that only its front scatters from
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

@@ -12,7 +12,7 @@
 #include "core/shading/phong.hpp"
 #include "core/shading/specular.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 template <typename T>
 LambertBsdfOf<T> bsdf_at(const ModelAt<T, Lambert>& model) {
@@ -120,4 +120,4 @@ SpecularBsdfOf<T, Facets> specular_at(const MaterialsOf<T>& materials, const Mat
           {facets, boundary, fresnel}};
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

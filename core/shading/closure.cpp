@@ -5,7 +5,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 // Calls f(layer, place) for each lobe that some lane has; the place is a std::integral_constant.
 template <typename T>
@@ -242,4 +242,4 @@ DeltaBranches ClosureOf<T>::delta_branches(Vec3 wo_local) const {
 template class ClosureOf<float>;
 template class ClosureOf<FloatN>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

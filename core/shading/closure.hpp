@@ -19,7 +19,7 @@
 #include "core/shading/glass_lobes.hpp"
 #include "core/shading/microfacet_lobes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 // The places of a closure's lobes, from the top: light meets them in this order.
 enum LobeSlot : std::uint32_t {
@@ -181,4 +181,4 @@ void ClosureOf<T>::add(MaskOf<T> lanes, const std::tuple_element_t<kSlot, Lobes>
 extern template class ClosureOf<float>;
 extern template class ClosureOf<FloatN>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

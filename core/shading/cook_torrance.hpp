@@ -7,7 +7,7 @@
 #include "core/materials/microfacet.hpp"
 #include "core/sampling/warp.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 // T is float for one point, or FloatN for one in each lane.
 template <typename T>
@@ -69,7 +69,7 @@ BsdfValueOf<T> CookTorranceBsdfOf<T>::evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T dif
   const T facets = ggx.density(h) * visibility_term(wo.z, wi.z);
   const T pdf_h = select(sample_half_vector, ggx.pdf_projected(h), ggx.pdf_visible(wo, h));
   const RgbOf<T> value = diffuse * (diffuse_cos / kPi) + specular * reflectance(cos_oh) * (facets * wi.z);
-  const T pdf = p * pdf_h / (4 * cos_oh) + (1 - p) * pdf_cosine_hemisphere(wi.z);
+  const T pdf = p * pdf_h / (4 * cos_oh) + (1 - p) * sampling::pdf_cosine_hemisphere(wi.z);
   return {select(dark, RgbOf<T>{}, value), select(dark, T(0.0f), pdf)};
 }
 
@@ -78,7 +78,7 @@ BsdfSampleOf<T> CookTorranceBsdfOf<T>::sample(Vec3Of<T> wo, Vec2Of<T> u, T u_lob
   const T p = specular_probability(wo.z);
   const MaskOf<T> specular_lobe = u_lobe < p;
   MaskOf<T> found = wo.z > 0;
-  Vec3Of<T> wi = sample_cosine_hemisphere(u);
+  Vec3Of<T> wi = sampling::sample_cosine_hemisphere(u);
   if (any(specular_lobe)) {
     const Vec3Of<T> h = sample_facet(wo, u);
     const MaskOf<T> diffuse_lobe = !specular_lobe;
@@ -90,4 +90,4 @@ BsdfSampleOf<T> CookTorranceBsdfOf<T>::sample(Vec3Of<T> wo, Vec2Of<T> u, T u_lob
   return {found, false, false, wi, value.value / value.pdf, value.pdf, T(1.0f)};
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

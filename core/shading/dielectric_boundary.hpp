@@ -5,7 +5,7 @@
 
 #include "core/materials/dispersion.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 template <typename T>
 struct DielectricBoundaryOf {
@@ -38,4 +38,4 @@ struct DielectricBoundaryOf {
   RgbOf<T> reflectance, transmittance;  // tints
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

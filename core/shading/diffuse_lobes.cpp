@@ -11,7 +11,7 @@
 #include "core/math/table_interpolation.hpp"
 #include "core/sampling/warp.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 namespace {
 
 // Constants of Portsmouth, Kutz and Hill 2025: 1/2 - 2 / (3 pi) and 2/3 - 28 / (15 pi).
@@ -32,7 +32,7 @@ T mean_fujii_albedo(T roughness) {
 
 template <typename T>
 BsdfSampleOf<T> cosine_sample(Vec2Of<T> u) {
-  return unweighed_sample<T>(true, sample_cosine_hemisphere(u));
+  return unweighed_sample<T>(true, sampling::sample_cosine_hemisphere(u));
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ BsdfValueOf<T> DiffuseLobe<T>::evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T diffuse_co
                        larger(T(0.0f), 1 - fujii_albedo(wi.z, roughness)) / larger(T(1e-7f), lost_mean);
     value = select(rough, (color * single + multiple_scattering * multiple) * (diffuse_cos / kPi), value);
   }
-  return only_where<T>(lit, {value, pdf_cosine_hemisphere(wi.z)});
+  return only_where<T>(lit, {value, sampling::pdf_cosine_hemisphere(wi.z)});
 }
 
 template <typename T>
@@ -67,12 +67,12 @@ BsdfSampleOf<T> DiffuseLobe<T>::sample(Vec3Of<T>, Vec2Of<T> u, T) const {
 
 template <typename T>
 BsdfValueOf<T> DiffuseTransmissionLobe<T>::evaluate(Vec3Of<T>, Vec3Of<T> wi, T) const {
-  return only_where<T>(!(wi.z >= 0), {RgbOf<T>::gray(-wi.z / kPi), pdf_cosine_hemisphere(-wi.z)});
+  return only_where<T>(!(wi.z >= 0), {RgbOf<T>::gray(-wi.z / kPi), sampling::pdf_cosine_hemisphere(-wi.z)});
 }
 
 template <typename T>
 BsdfSampleOf<T> DiffuseTransmissionLobe<T>::sample(Vec3Of<T>, Vec2Of<T> u, T) const {
-  const Vec3Of<T> above = sample_cosine_hemisphere(u);
+  const Vec3Of<T> above = sampling::sample_cosine_hemisphere(u);
   return unweighed_sample<T>(true, {above.x, above.y, -above.z});
 }
 
@@ -112,7 +112,7 @@ BsdfValueOf<T> CoveredDiffuseLobe<T>::evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T dif
   const MaskOf<T> lit = !(wi.z <= 0);
   if (!any(lit)) return {};
   return only_where<T>(lit, {color_ * (transmitted(wo.z) * transmitted(wi.z) * diffuse_cos / kPi),
-                             pdf_cosine_hemisphere(wi.z)});
+                             sampling::pdf_cosine_hemisphere(wi.z)});
 }
 
 template <typename T>
@@ -195,7 +195,7 @@ BsdfValueOf<T> SheenLobe<T>::evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T) const {
 
 template <typename T>
 BsdfSampleOf<T> SheenLobe<T>::sample(Vec3Of<T>, Vec2Of<T> u, T) const {
-  return unweighed_sample<T>(true, sample_hemisphere(u));
+  return unweighed_sample<T>(true, sampling::sample_hemisphere(u));
 }
 
 template <typename T>
@@ -212,4 +212,4 @@ template struct CoveredDiffuseLobe<FloatN>;
 template struct SheenLobe<float>;
 template struct SheenLobe<FloatN>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

@@ -5,7 +5,7 @@
 #include "core/materials/microfacets.hpp"
 #include "core/shading/lobe.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 // Diffuse reflection from a rough surface without loss of energy (Portsmouth, Kutz and Hill 2025).
 template <typename T>
@@ -84,4 +84,4 @@ extern template struct CoveredDiffuseLobe<FloatN>;
 extern template struct SheenLobe<float>;
 extern template struct SheenLobe<FloatN>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

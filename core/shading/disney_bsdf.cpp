@@ -10,7 +10,7 @@
 #include "core/sampling/warp.hpp"
 #include "core/shading/shares.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 namespace {
 
 constexpr float kClearcoatF0 = 0.04f, kClearcoatWeight = 0.25f, kClearcoatMaskingAlpha = 0.25f;
@@ -220,7 +220,7 @@ BsdfValueOf<T> DisneyBsdfOf<T>::reflected(Vec3Of<T> wo, Vec3Of<T> wi, T diffuse_
   const MaskOf<T> scatters = (diffuse_ > 0) | (sheen_ > 0);
   if (any(scatters))
     sum.value = select(scatters, sum.value + diffuse(wo.z, wi.z, cos_h) * diffuse_cos, sum.value);
-  sum.pdf = sum.pdf + chance.diffuse * pdf_cosine_hemisphere(wi.z);
+  sum.pdf = sum.pdf + chance.diffuse * sampling::pdf_cosine_hemisphere(wi.z);
   return sum;
 }
 
@@ -246,7 +246,7 @@ BsdfValueOf<T> DisneyBsdfOf<T>::passed_through_sheet(Vec3Of<T> wo, Vec3Of<T> wi)
   const Vec3Of<T> above = mirrored_below(wi), h = normalize(wo + above);
   const T cos_h = dot(wo, h);
   BsdfValueOf<T> sum{base_color_ * (diffuse_through_ * above.z / kPi),
-                     chance.through * pdf_cosine_hemisphere(above.z)};
+                     chance.through * sampling::pdf_cosine_hemisphere(above.z)};
   const MaskOf<T> clear = clear_ > 0;
   if (!any(clear)) return sum;
   const T visibility = sheet_facets_.smith_visibility(wo, above);
@@ -324,7 +324,7 @@ typename DisneyBsdfOf<T>::Direction DisneyBsdfOf<T>::sample_direction(Vec3Of<T> 
   const Chances chance = chances(wo.z);
   const MaskOf<T> facets = u_lobe < chance.facets;
   const MaskOf<T> clearcoat = (u_lobe < chance.facets + chance.clearcoat) & !facets;
-  const Vec3Of<T> even = sample_cosine_hemisphere(u);
+  const Vec3Of<T> even = sampling::sample_cosine_hemisphere(u);
   Direction sampled{true, select(u_lobe >= 1 - chance.through, mirrored_below(even), even)};
   if (any(facets)) {
     const Direction one = sample_facets(wo, u, u_lobe / chance.facets);
@@ -350,4 +350,4 @@ BsdfSampleOf<T> DisneyBsdfOf<T>::sample(Vec3Of<T> wo_local, Vec2Of<T> u, T u_lob
 template class DisneyBsdfOf<float>;
 template class DisneyBsdfOf<FloatN>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

@@ -9,7 +9,7 @@
 #include "core/materials/microfacets.hpp"
 #include "core/materials/model_at.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 template <typename T>
 class DisneyBsdfOf {
@@ -76,4 +76,4 @@ class DisneyBsdfOf {
 extern template class DisneyBsdfOf<float>;
 extern template class DisneyBsdfOf<FloatN>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

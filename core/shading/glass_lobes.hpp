@@ -11,7 +11,7 @@
 #include "core/shading/rough_dielectric.hpp"
 #include "core/shading/smooth_dielectric.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 // A dielectric boundary that reflects and transmits, without loss: what single scattering loses is given back
 // to both.
@@ -118,4 +118,4 @@ struct ThinGlassLobe {
   }
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

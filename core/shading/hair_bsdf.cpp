@@ -9,7 +9,7 @@
 #include "core/math/bessel.hpp"
 #include "core/math/elementary.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 namespace {
 
 constexpr double kHairPi = std::numbers::pi;
@@ -249,4 +249,4 @@ BsdfSampleOf<T> HairBsdfOf<T>::sample(Vec3Of<T> wo_local, Vec2Of<T> u, T u_lobe)
 template class HairBsdfOf<float>;
 template class HairBsdfOf<FloatN>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

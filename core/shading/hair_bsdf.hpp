@@ -11,7 +11,7 @@
 #include "core/materials/bsdf_sample.hpp"
 #include "core/materials/model_at.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 template <typename T>
 class HairBsdfOf {
@@ -78,4 +78,4 @@ class HairBsdfOf {
 extern template class HairBsdfOf<float>;
 extern template class HairBsdfOf<FloatN>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

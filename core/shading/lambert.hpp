@@ -5,7 +5,7 @@
 #include "core/materials/bsdf_sample.hpp"
 #include "core/sampling/warp.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 // T is float for one point, or FloatN for one in each lane.
 template <typename T>
@@ -17,15 +17,15 @@ struct LambertBsdfOf {
   BsdfValueOf<T> evaluate(Vec3Of<T> wo_local, Vec3Of<T> wi_local, T diffuse_cos) const {
     const MaskOf<T> dark = (wo_local.z <= 0) | (wi_local.z <= 0);
     return {select(dark, RgbOf<T>{}, albedo * (diffuse_cos / kPi)),
-            select(dark, T(0.0f), pdf_cosine_hemisphere(wi_local.z))};
+            select(dark, T(0.0f), sampling::pdf_cosine_hemisphere(wi_local.z))};
   }
 
   BsdfSampleOf<T> sample(Vec3Of<T> wo_local, Vec2Of<T> u, T) const {
     BsdfSampleOf<T> sample;
     sample.found = wo_local.z > 0;
-    sample.wi_local = sample_cosine_hemisphere(u);
+    sample.wi_local = sampling::sample_cosine_hemisphere(u);
     sample.weight = albedo;
-    sample.pdf = pdf_cosine_hemisphere(sample.wi_local.z);
+    sample.pdf = sampling::pdf_cosine_hemisphere(sample.wi_local.z);
     return sample;
   }
 
@@ -33,4 +33,4 @@ struct LambertBsdfOf {
 };
 using LambertBsdf = LambertBsdfOf<float>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

@@ -7,7 +7,7 @@
 #include "core/materials/limits.hpp"
 #include "core/shading/shares.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 namespace {
 
 template <typename T>
@@ -318,4 +318,4 @@ template ClosureOf<FloatN> closure_at(const ModelAt<FloatN, DiffuseTransmission>
 template ClosureOf<float> closure_at(const ModelAt<float, ThinDielectric>&);
 template ClosureOf<FloatN> closure_at(const ModelAt<FloatN, ThinDielectric>&);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

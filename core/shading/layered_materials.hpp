@@ -6,7 +6,7 @@
 #include "core/materials/model_at.hpp"
 #include "core/shading/closure.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 template <typename T>
 ClosureOf<T> closure_at(const ModelAt<T, Principled>& model);
@@ -20,4 +20,4 @@ ClosureOf<T> closure_at(const ModelAt<T, DiffuseTransmission>& model);
 template <typename T>
 ClosureOf<T> closure_at(const ModelAt<T, ThinDielectric>& model);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

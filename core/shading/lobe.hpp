@@ -23,7 +23,7 @@
 #include "core/materials/bsdf_sample.hpp"
 #include "core/math/simd_double.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 // What lobes have in common unless they say otherwise.
 template <typename T>
@@ -64,4 +64,4 @@ RgbOf<T> quotient(RgbOf<T> a, RgbOf<T> b) {
   return {a.r / b.r, a.g / b.g, a.b / b.b};
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

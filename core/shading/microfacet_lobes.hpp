@@ -11,7 +11,7 @@
 #include "core/shading/lobe.hpp"
 #include "core/shading/thin_film.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 // Fresnel reflectances, by the cosine to the facet; `normal` is that at normal incidence.
 template <typename T>
@@ -136,4 +136,4 @@ using GgxLobe = MicrofacetLobe<T, Reflectance, AnisotropicGgxOf<T>>;
 template <typename T, template <typename> typename Reflectance>
 using OtherMicrofacetLobe = MicrofacetLobe<T, Reflectance, MicrofacetsOf<T>>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

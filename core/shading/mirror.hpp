@@ -4,7 +4,7 @@
 
 #include "core/materials/bsdf_sample.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 template <typename T>
 struct MirrorBsdfOf {
@@ -24,4 +24,4 @@ struct MirrorBsdfOf {
 };
 using MirrorBsdf = MirrorBsdfOf<float>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

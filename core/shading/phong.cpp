@@ -7,7 +7,7 @@
 #include "core/math/frame.hpp"
 #include "core/sampling/warp.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 namespace {
 
 template <typename T>
@@ -62,14 +62,15 @@ BsdfValueOf<T> PhongBsdfOf<T>::evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T diffuse_co
   const T p = highlight_probability();
   const RgbOf<T> value =
       diffuse * (diffuse_cos / kPi) + specular * ((exponent + 2) / (2 * kPi) * to_n * wi.z);
-  const T pdf = p * (sampled_exponent() + 1) / (2 * kPi) * sampled + (1 - p) * pdf_cosine_hemisphere(wi.z);
+  const T pdf =
+      p * (sampled_exponent() + 1) / (2 * kPi) * sampled + (1 - p) * sampling::pdf_cosine_hemisphere(wi.z);
   return {select(dark, RgbOf<T>{}, value), select(dark, T(0.0f), pdf)};
 }
 
 template <typename T>
 BsdfSampleOf<T> PhongBsdfOf<T>::sample(Vec3Of<T> wo, Vec2Of<T> u, T u_lobe) const {
   const MaskOf<T> highlight = u_lobe < highlight_probability();
-  Vec3Of<T> wi = sample_cosine_hemisphere(u);
+  Vec3Of<T> wi = sampling::sample_cosine_hemisphere(u);
   if (any(highlight)) {
     const Vec3Of<T> around = sample_power_cosine(sampled_exponent(), u);
     wi = select(highlight, FrameOf<T>::around(mirror_image(wo)).to_world(around), wi);
@@ -82,4 +83,4 @@ BsdfSampleOf<T> PhongBsdfOf<T>::sample(Vec3Of<T> wo, Vec2Of<T> u, T u_lobe) cons
 template struct PhongBsdfOf<float>;
 template struct PhongBsdfOf<FloatN>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

@@ -7,7 +7,7 @@
 #include "core/materials/material.hpp"
 #include "core/math/simd_double.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 template <typename T>
 struct PhongBsdfOf {
@@ -29,4 +29,4 @@ using PhongBsdf = PhongBsdfOf<float>;
 extern template struct PhongBsdfOf<float>;
 extern template struct PhongBsdfOf<FloatN>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

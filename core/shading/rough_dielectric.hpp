@@ -11,7 +11,7 @@
 #include "core/materials/microfacets.hpp"
 #include "core/shading/dielectric_boundary.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 // Smith's terms by the cosines to the normal.
 template <typename T>
@@ -130,4 +130,4 @@ BsdfSampleOf<T> RoughDielectricOf<T, Facets>::sample(Vec3Of<T> wo, Vec2Of<T> u, 
   return sample;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

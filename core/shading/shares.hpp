@@ -6,7 +6,7 @@
 
 #include "core/math/rgb.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 // Clamped to [0, 1]; 0 for NaN.
 template <typename T>
@@ -30,4 +30,4 @@ RgbOf<T> mix(RgbOf<T> a, RgbOf<T> b, std::type_identity_t<T> share) {
   return a + (b - a) * share;
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

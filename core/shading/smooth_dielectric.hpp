@@ -10,7 +10,7 @@
 #include "core/materials/fresnel.hpp"
 #include "core/shading/dielectric_boundary.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 template <typename T>
 struct SmoothDielectricOf {
@@ -64,4 +64,4 @@ struct SmoothDielectricOf {
 };
 using SmoothDielectricBsdf = SmoothDielectricOf<float>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

@@ -7,7 +7,7 @@
 #include "core/shading/rough_dielectric.hpp"
 #include "core/shading/smooth_dielectric.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 template <typename T, typename Facets = GgxOf<T>>
 struct SpecularBsdfOf {
@@ -40,4 +40,4 @@ struct SpecularBsdfOf {
   RoughDielectricOf<T, Facets> rough;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

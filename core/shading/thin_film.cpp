@@ -7,7 +7,7 @@
 #include "core/math/elementary.hpp"
 #include "core/math/lane_array.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 namespace {
 
 // A Gaussian that approximates a sensitivity over the wavenumber: its weight, mean and variance, for lengths
@@ -108,4 +108,4 @@ RgbOf<T> FilmReflectanceOf<T>::covered(T cos_i) const {
 template class FilmReflectanceOf<float>;
 template class FilmReflectanceOf<FloatN>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

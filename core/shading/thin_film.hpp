@@ -6,7 +6,7 @@
 #include "core/math/rgb.hpp"
 #include "core/math/simd_double.hpp"
 
-namespace tessera::core {
+namespace tessera::core::shading {
 
 template <typename T>
 class FilmReflectanceOf {
@@ -29,4 +29,4 @@ using FilmReflectance = FilmReflectanceOf<float>;
 extern template class FilmReflectanceOf<float>;
 extern template class FilmReflectanceOf<FloatN>;
 
-}  // namespace tessera::core
+}  // namespace tessera::core::shading

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-namespace tessera::core {
+namespace tessera::core::spectra {
 namespace {
 
 constexpr int kFirstNm = 360, kLastNm = 830, kStepNm = 5;
@@ -155,4 +155,4 @@ Rgb to_linear_rec709(const Xyz& c) {
           static_cast<float>(0.055648 * c.x - 0.204043 * c.y + 1.057311 * c.z)};
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::spectra

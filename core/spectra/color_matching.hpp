@@ -6,7 +6,7 @@
 
 #include "core/math/rgb.hpp"
 
-namespace tessera::core {
+namespace tessera::core::spectra {
 
 // A colour of CIE 1931.
 struct Xyz {
@@ -35,4 +35,4 @@ Xyz integrate_to_xyz(std::span<const SpectralSample> samples);
 // components.
 Rgb to_linear_rec709(const Xyz& color);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::spectra

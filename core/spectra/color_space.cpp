@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace tessera::core {
+namespace tessera::core::spectra {
 namespace {
 
 using Row = std::array<double, 3>;
@@ -157,4 +157,4 @@ ColorMatrix white_balance(Chromaticity from) {
   return product(kRec709FromXyz, product(adaptation_to_d65(from), kXyzFromRec709));
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::spectra

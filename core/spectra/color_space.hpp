@@ -9,7 +9,7 @@
 #include "core/math/rgb.hpp"
 #include "core/spectra/color_matching.hpp"
 
-namespace tessera::core {
+namespace tessera::core::spectra {
 
 // Chromaticity coordinates of the CIE 1931 observer.
 struct Chromaticity {
@@ -52,4 +52,4 @@ std::optional<ColorMatrix> to_rec709(const Primaries& primaries);
 // Bradford: Lam 1985).
 ColorMatrix white_balance(Chromaticity from);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::spectra

@@ -8,7 +8,7 @@
 
 #include "core/math/elementary.hpp"
 
-namespace tessera::core {
+namespace tessera::core::spectra {
 namespace {
 
 constexpr double kVisibleFromNm = 360, kVisibleToNm = 830;
@@ -83,4 +83,4 @@ Rgb blackbody_color(double kelvin) {
   return light_color(visible_spectrum([&](double nm) { return planck(nm, kelvin); }));
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::spectra

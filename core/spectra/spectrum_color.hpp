@@ -9,7 +9,7 @@
 #include "core/math/rgb.hpp"
 #include "core/spectra/color_matching.hpp"
 
-namespace tessera::core {
+namespace tessera::core::spectra {
 
 // The colour of light with this spectral power, scaled to luminance 1; black without visible power.
 Rgb light_color(std::span<const SpectralSample> power);
@@ -28,4 +28,4 @@ double d65_power(double wavelength_nm);
 // The colour of a black body, scaled to luminance 1 (Planck 1901). `kelvin` is above 0.
 Rgb blackbody_color(double kelvin);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::spectra

@@ -8,7 +8,7 @@
 #include "core/spectra/color_matching.hpp"
 #include "core/spectra/spectrum_color.hpp"
 
-namespace tessera::core {
+namespace tessera::core::spectra {
 namespace {
 
 constexpr int kFirstBinNm = 360, kEndNm = 830;
@@ -61,4 +61,4 @@ WavelengthSample sample_wavelength(float u) {
   return {static_cast<float>(kFirstBinNm + static_cast<double>(bin) + within), kTable.weights[bin]};
 }
 
-}  // namespace tessera::core
+}  // namespace tessera::core::spectra

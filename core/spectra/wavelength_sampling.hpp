@@ -5,7 +5,7 @@
 
 #include "core/math/rgb.hpp"
 
-namespace tessera::core {
+namespace tessera::core::spectra {
 
 struct WavelengthSample {
   float nm = 0;  // 360 to 830
@@ -17,4 +17,4 @@ struct WavelengthSample {
 // out of gamut, it is 0, and each is then scaled so that the mean of the weights is 1 in each channel.
 WavelengthSample sample_wavelength(float u);
 
-}  // namespace tessera::core
+}  // namespace tessera::core::spectra

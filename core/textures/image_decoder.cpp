@@ -37,7 +37,7 @@ std::size_t make_usable(std::vector<float>& values) {
 }
 
 // Converts colours with other primaries to those of Rec. 709, in place.
-void convert(std::vector<float>& values, std::size_t channels, const ColorMatrix& to_rec709) {
+void convert(std::vector<float>& values, std::size_t channels, const spectra::ColorMatrix& to_rec709) {
   for (std::size_t i = 0; i + 3 <= values.size(); i += channels) {
     const Rgb color = to_rec709({values[i], values[i + 1], values[i + 2]});
     values[i] = usable(color.r), values[i + 1] = usable(color.g), values[i + 2] = usable(color.b);
@@ -47,8 +47,8 @@ void convert(std::vector<float>& values, std::size_t channels, const ColorMatrix
 // Of an image of linear values.
 void settle_primaries(DecodedImage& image, ColorSpace color_space) {
   const auto& [rx, ry, gx, gy, bx, by, wx, wy] = *image.primaries;
-  const auto of = [](float x, float y) { return Chromaticity{double{x}, double{y}}; };
-  const auto matrix = to_rec709(Primaries{of(rx, ry), of(gx, gy), of(bx, by), of(wx, wy)});
+  const auto of = [](float x, float y) { return spectra::Chromaticity{double{x}, double{y}}; };
+  const auto matrix = to_rec709(spectra::Primaries{of(rx, ry), of(gx, gy), of(bx, by), of(wx, wy)});
   if (!matrix)
     image.warnings.emplace_back("has primaries that span no colours; they count as those of sRGB");
   else if (color_space == ColorSpace::kSrgb)

@@ -13,7 +13,7 @@ namespace {
 
 std::uint64_t hash_at(std::int32_t a, std::int32_t b, std::int32_t c) {
   const auto bits = [](std::int32_t v) { return std::uint64_t{static_cast<std::uint32_t>(v)}; };
-  return core::hash(bits(a), core::hash(bits(b), bits(c)));
+  return core::sampling::hash(bits(a), core::sampling::hash(bits(b), bits(c)));
 }
 
 struct Lattice {
@@ -62,7 +62,7 @@ float mix_linearly(float a, float b, float t) {
 }  // namespace
 
 float random_at(std::int32_t a, std::int32_t b, std::int32_t c) {
-  return core::unit_float(static_cast<std::uint32_t>(hash_at(a, b, c) >> 32));
+  return core::sampling::unit_float(static_cast<std::uint32_t>(hash_at(a, b, c) >> 32));
 }
 
 float noise(Vec3 p) {

@@ -39,8 +39,9 @@ class InputAssets : public core::AssetSource {
 inline void render_corner(const core::Scene& scene) {
   constexpr core::PixelRect kCorner{0, 0, 1, 1};
   constexpr core::SampleRange kSamples{0, 2};
-  const auto plan = core::prepare(scene, scene.settings(), 1, core::kPhotonPathsAtOnce);
-  const core::FilmTile tile = core::render(plan, kCorner, kSamples, 1);
+  const auto plan =
+      core::integrators::prepare(scene, scene.settings(), 1, core::integrators::kPhotonPathsAtOnce);
+  const core::FilmTile tile = core::integrators::render(plan, kCorner, kSamples, 1);
   expect(tile.counters.samples == kSamples.count(), "every sample is counted");
 }
 

@@ -39,7 +39,7 @@ Written write_scene() {
   Written written;
   core::stored::Writer writer(written);
   writer(true);
-  writer(core::fingerprint_scene());
+  writer(core::integrators::fingerprint_scene());
   written.index = writer.bytes();
   return written;
 }
@@ -81,7 +81,8 @@ void build_and_render(core::SceneDescription description, core::Integrator integ
   for (const std::int32_t frame : {0, 7}) {
     if (const core::Status shown = scene->set_frame(frame, 1); !shown)
       return expect(!shown.error().message.empty(), "an error says what is wrong");
-    const core::FilmTile tile = core::render(core::prepare(*scene, settings, 1), kCorner, kSamples, 1);
+    const core::FilmTile tile =
+        core::integrators::render(core::integrators::prepare(*scene, settings, 1), kCorner, kSamples, 1);
     expect(tile.counters.samples == kSamples.count(), "every sample is counted");
   }
 }

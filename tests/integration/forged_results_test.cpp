@@ -88,7 +88,7 @@ class Liar {
     request.set_worker_id(id_);
     request.set_worker_key(key_);
     request.set_name(name_);
-    request.set_determinism_fingerprint(core::determinism_fingerprint());
+    request.set_determinism_fingerprint(core::integrators::determinism_fingerprint());
     request.set_threads(1);
     request.set_wanted_leases(1);
     return request;
@@ -103,7 +103,7 @@ class Liar {
   v1::SubmitResultRequest message() const {
     v1::SubmitResultRequest request;
     request.set_worker_id(id_);
-    request.set_determinism_fingerprint(core::determinism_fingerprint());
+    request.set_determinism_fingerprint(core::integrators::determinism_fingerprint());
     return request;
   }
 
@@ -116,7 +116,8 @@ class Liar {
 
   v1::RenderedItem render_wrongly(const v1::WorkItem& message) const {
     const auto item = *proto::from_proto(message);
-    core::FilmTile tile = core::render(core::prepare(scene_, settings_, 1), item.rect, item.range, 1);
+    core::FilmTile tile =
+        core::integrators::render(core::integrators::prepare(scene_, settings_, 1), item.rect, item.range, 1);
     const std::size_t middle = tile.sums.size() / 2;
     const std::uint64_t flipped = std::uint64_t{1} << 30;
     // Flips a bit of an even sample if there is one. An odd sample counts in both sums.

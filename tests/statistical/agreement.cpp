@@ -25,7 +25,7 @@ struct Estimate {
   double mean = 0, variance_of_mean = 0;
 };
 
-std::vector<double> region_means(const RenderPlan& plan) {
+std::vector<double> region_means(const core::integrators::RenderPlan& plan) {
   const std::uint32_t spp = plan.settings().spp;
   const FilmTile tile = render(plan, {0, 0, kSidePx, kSidePx}, {0, spp}, 2);
   std::vector<double> means(kRegions);
@@ -40,9 +40,10 @@ std::vector<double> region_means(const RenderPlan& plan) {
 }
 
 // The seeds are `first_seed` and every fourth after it.
-std::vector<Estimate> estimate(RenderPlans& plans, RenderSettings settings, std::uint64_t first_seed) {
+std::vector<Estimate> estimate(core::integrators::RenderPlans& plans, RenderSettings settings,
+                               std::uint64_t first_seed) {
   settings.width_px = settings.height_px = kSidePx;
-  const RenderPlan plan = plans.get(settings, 2);
+  const core::integrators::RenderPlan plan = plans.get(settings, 2);
   std::vector<double> sum(kRegions), sum2(kRegions);
   for (int batch = 0; batch < kBatches; ++batch) {
     settings.seed = static_cast<std::uint64_t>(batch) * 4 + first_seed;
@@ -77,7 +78,7 @@ void expect_strategies_agree(SceneDescription description) {
   description.settings.max_depth = 0;
   const auto scene = Scene::build(std::move(description), 2);
   ASSERT_TRUE(scene) << scene.error().message;
-  RenderPlans plans(*scene);
+  core::integrators::RenderPlans plans(*scene);
   // Noisier strategies get more samples, so that a difference can show.
   const auto mis = estimate(plans, {.spp = 64, .integrator = Integrator::kMis}, 2);
   const auto nee = estimate(plans, {.spp = 64, .integrator = Integrator::kNee}, 1);
@@ -93,7 +94,7 @@ void expect_scenes_agree(SceneDescription a, SceneDescription b) {
   const auto scene_a = Scene::build(std::move(a), 2), scene_b = Scene::build(std::move(b), 2);
   ASSERT_TRUE(scene_a) << scene_a.error().message;
   ASSERT_TRUE(scene_b) << scene_b.error().message;
-  RenderPlans plans_a(*scene_a), plans_b(*scene_b);
+  core::integrators::RenderPlans plans_a(*scene_a), plans_b(*scene_b);
   expect_agreement(estimate(plans_a, {.spp = 64}, 0), estimate(plans_b, {.spp = 64}, 1), "the two scenes");
 }
 

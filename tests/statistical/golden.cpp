@@ -17,11 +17,11 @@ core::RenderSettings settings_of(const core::Scene& scene) {
   return settings;
 }
 
-std::vector<double> render_batch(const core::RenderPlan& plan, std::uint64_t seed) {
+std::vector<double> render_batch(const core::integrators::RenderPlan& plan, std::uint64_t seed) {
   core::RenderSettings settings = plan.settings();
   settings.seed = seed;
-  const auto tile =
-      core::render(plan.with(settings), {0, 0, kGoldenWidthPx, kGoldenHeightPx}, {0, kGoldenSpp}, 2);
+  const auto tile = core::integrators::render(plan.with(settings), {0, 0, kGoldenWidthPx, kGoldenHeightPx},
+                                              {0, kGoldenSpp}, 2);
   std::vector<double> radiance;
   for (const std::uint64_t sum : tile.sums)
     radiance.push_back(static_cast<double>(sum) * core::kFilmUnit / kGoldenSpp);
@@ -41,7 +41,7 @@ core::Image to_image(const std::vector<double>& values) {
 Golden render_golden(const core::Scene& scene, std::uint64_t first_seed, int batches) {
   const std::size_t count = std::size_t{3} * kGoldenWidthPx * kGoldenHeightPx;
   std::vector<double> mean(count), squares(count), variance(count);
-  const core::RenderPlan plan = core::prepare(scene, settings_of(scene), 2);
+  const core::integrators::RenderPlan plan = core::integrators::prepare(scene, settings_of(scene), 2);
   for (int batch = 0; batch < batches; ++batch) {
     const auto radiance = render_batch(plan, first_seed + static_cast<std::uint64_t>(batch));
     for (std::size_t i = 0; i < count; ++i) {  // Welford 1962

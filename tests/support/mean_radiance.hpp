@@ -35,7 +35,8 @@ inline Mean mean_radiance(const core::Scene& scene, core::RenderSettings setting
   settings.spp = spp;
   double sum = 0, sum2 = 0;
   const int n = side_px * side_px;
-  const core::FilmTile tile = render(prepare(scene, settings, 2), {0, 0, side_px, side_px}, {0, spp}, 2);
+  const core::FilmTile tile =
+      render(core::integrators::prepare(scene, settings, 2), {0, 0, side_px, side_px}, {0, spp}, 2);
   for (int p = 0; p < n; ++p) {
     const double v = static_cast<double>(tile.sums[static_cast<std::size_t>(3 * p)]) * core::kFilmUnit / spp;
     sum += v;

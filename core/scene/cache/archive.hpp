@@ -42,7 +42,7 @@ class Writer {
     array(elements);
   }
   template <typename T>
-  void operator()(const HugePageArray<T>& elements) {
+  void operator()(const accel::HugePageArray<T>& elements) {
     array(elements);
   }
   template <typename T>
@@ -140,8 +140,8 @@ class Reader {
     array(elements, [&](std::size_t size) { elements.resize(size); });
   }
   template <typename T>
-  void operator()(HugePageArray<T>& elements) {
-    array(elements, [&](std::size_t size) { elements = HugePageArray<T>(size); });
+  void operator()(accel::HugePageArray<T>& elements) {
+    array(elements, [&](std::size_t size) { elements = accel::HugePageArray<T>(size); });
   }
   template <typename T>
   void operator()(std::optional<T>& value) {

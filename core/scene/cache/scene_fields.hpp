@@ -185,7 +185,7 @@ auto fields(Is<SceneDescription> auto& value) {
   return std::tie(settings, camera, camera_medium, display, textures, grids, media, materials, objects,
                   shapes, names, lights, environment, animation, warnings);
 }
-auto fields(Is<Bvh::Arrays> auto& value) {
+auto fields(Is<accel::Bvh::Arrays> auto& value) {
   auto& [nodes, packets, objects] = value;
   return std::tie(nodes, packets, objects);
 }
@@ -218,11 +218,11 @@ constexpr bool is_known(FilterKind value) {
   }
   return false;
 }
-constexpr bool is_known(SpotFalloff value) {
+constexpr bool is_known(lights::SpotFalloff value) {
   switch (value) {
-    case SpotFalloff::kSmooth:
-    case SpotFalloff::kLinear:
-    case SpotFalloff::kSquared:
+    case lights::SpotFalloff::kSmooth:
+    case lights::SpotFalloff::kLinear:
+    case lights::SpotFalloff::kSquared:
       return true;
   }
   return false;
@@ -417,7 +417,7 @@ constexpr bool is_known(Sampling value) {
 // Types that are stored as in memory, alone and in arrays: numbers, and structures of numbers of one type.
 template <typename T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T> || Is<T, Vec2> || Is<T, Vec3> || Is<T, Rgb> ||
-    Is<T, Quaternion> || Is<T, std::array<std::uint32_t, 3>> || Is<T, TextureImage::Tile> || Is<T, BvhNode> ||
-    Is<T, BvhPacket> || Is<T, VertexTangent>;
+    Is<T, Quaternion> || Is<T, std::array<std::uint32_t, 3>> || Is<T, TextureImage::Tile> ||
+    Is<T, accel::BvhNode> || Is<T, accel::BvhPacket> || Is<T, VertexTangent>;
 
 }  // namespace tessera::core::stored

@@ -58,7 +58,7 @@ Result<Value> read_value(const std::string& path, std::string_view key, int thre
 
 struct StoredScene {
   SceneDescription description;
-  Bvh::Arrays tree;
+  accel::Bvh::Arrays tree;
 };
 auto fields(stored::Is<StoredScene> auto& value) {
   auto& [description, tree] = value;
@@ -87,7 +87,7 @@ SceneWriter::SceneWriter(SceneWriter&&) noexcept = default;
 SceneWriter& SceneWriter::operator=(SceneWriter&&) noexcept = default;
 SceneWriter::~SceneWriter() = default;
 
-void SceneWriter::finish(const Bvh& bvh) {
+void SceneWriter::finish(const accel::Bvh& bvh) {
   const SceneStore& store = state_->store;
   const std::uint64_t bytes = state_->bytes + stored::stored_bytes(bvh.arrays());
   if (!store.fits(bytes) || !store.make_room_for(state_->file, bytes)) return state_.reset();
@@ -156,7 +156,7 @@ std::optional<PreparedScene> SceneStore::find(std::string_view key, int threads)
     return std::nullopt;
   }
   mark_as_used(path);
-  return PreparedScene{std::move(scene->description), Bvh(std::move(scene->tree))};
+  return PreparedScene{std::move(scene->description), accel::Bvh(std::move(scene->tree))};
 }
 
 std::optional<SceneWriter> SceneStore::begin(std::string_view key, const SceneDescription& description,

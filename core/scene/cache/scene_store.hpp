@@ -37,7 +37,7 @@ class SceneWriter {
   ~SceneWriter();
 
   // The scene can be found only after this call.
-  void finish(const Bvh& bvh);
+  void finish(const accel::Bvh& bvh);
 
  private:
   struct State;
@@ -47,7 +47,7 @@ class SceneWriter {
 // The input of build_scene: with a tree if it was cached, else with a writer if it should be cached.
 struct PreparedScene {
   SceneDescription description;
-  std::optional<Bvh> bvh = {};
+  std::optional<accel::Bvh> bvh = {};
   std::optional<SceneWriter> writer = {};
 };
 

@@ -59,7 +59,7 @@ LightDescription read_spot(const Value& light, Vec3 position, Vec3 direction, Rg
   description.intensity = intensity;
   description.angle_degrees = std::min(2 * outer * kDegreesPerRadian, 180.0f);
   description.softness = std::clamp(1 - inner / outer, 0.0f, 1.0f);
-  description.falloff = SpotFalloff::kSquared;
+  description.falloff = lights::SpotFalloff::kSquared;
   return description;
 }
 

@@ -57,7 +57,7 @@ CameraDescription default_camera(const Aabb& bounds, float aspect, const SceneDe
 TextureImage studio_environment(const SceneDefaults& axes) {
   constexpr int kWidth = 128, kHeight = 64;
   const StudioAxes studio = studio_axes(axes);
-  const EquirectangularMap map(0);
+  const lights::EquirectangularMap map(0);
   std::vector<float> values;
   values.reserve(std::size_t{3} * kWidth * kHeight);
   for (int y = 0; y < kHeight; ++y) {

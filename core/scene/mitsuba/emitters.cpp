@@ -46,7 +46,7 @@ float tangent_of_degrees(float angle) {
 }
 
 // Whether the image that a light projects has an area.
-bool has_area(const ProjectedImage& image) {
+bool has_area(const lights::ProjectedImage& image) {
   return length_squared(image.right) > 0 && length_squared(image.up) > 0;
 }
 
@@ -132,7 +132,7 @@ void EmitterConverter::add_spot(const Plugin& emitter) {
   light.intensity = color(emitter, "intensity");
   light.angle_degrees = 2 * cutoff;
   light.softness = (cutoff - beam) / cutoff;
-  light.falloff = SpotFalloff::kLinear;
+  light.falloff = lights::SpotFalloff::kLinear;
   const ColorParameter image =
       textures_.color(emitter, "texture", Rgb::gray(1), {}, std::numeric_limits<float>::max());
   light.intensity *= image.value;

@@ -41,10 +41,11 @@ std::optional<Number> parse_whole(std::string_view text) {
 
 // Sorts by wavelength; of several at one wavelength the first stays.
 Samples in_order(Samples samples) {
-  std::stable_sort(samples.begin(), samples.end(), [](const SpectralSample& a, const SpectralSample& b) {
-    return a.wavelength_nm < b.wavelength_nm;
-  });
-  const auto same = [](const SpectralSample& a, const SpectralSample& b) {
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const spectra::SpectralSample& a, const spectra::SpectralSample& b) {
+                     return a.wavelength_nm < b.wavelength_nm;
+                   });
+  const auto same = [](const spectra::SpectralSample& a, const spectra::SpectralSample& b) {
     return a.wavelength_nm == b.wavelength_nm;
   };
   samples.erase(std::unique(samples.begin(), samples.end(), same), samples.end());

@@ -51,7 +51,7 @@ struct Child {
   NodeId node = 0;
 };
 // A spectrum given by samples; one that is constant is a number.
-using Samples = std::vector<SpectralSample>;
+using Samples = std::vector<spectra::SpectralSample>;
 
 struct Property {
   using Value = std::variant<bool, std::int64_t, double, std::string, Vec3, Rgb, Samples, Transform,

@@ -43,7 +43,7 @@ const NamedGlass* glass_of(std::string_view name) {
 }
 
 // Without dispersion, if the spectrum has none that is normal, or lacks one of the lines.
-RefractiveIndex index_of(std::span<const SpectralSample> spectrum) {
+RefractiveIndex index_of(std::span<const spectra::SpectralSample> spectrum) {
   if (spectrum.front().wavelength_nm > kLineF || spectrum.back().wavelength_nm < kLineC)
     return {static_cast<float>(photopic_mean(spectrum))};
   const double line_d = value_at(spectrum, kLineD);
@@ -78,27 +78,27 @@ std::optional<Rgb> metal_part(std::string_view name) {
   return part == "eta" ? metal->eta : metal->k;
 }
 
-std::optional<Chromaticity> named_light(std::string_view name) {
-  if (name == "illum-acesD60") return illuminant("D60");
+std::optional<spectra::Chromaticity> named_light(std::string_view name) {
+  if (name == "illum-acesD60") return spectra::illuminant("D60");
   constexpr std::string_view kPrefix = "stdillum-";
-  return name.starts_with(kPrefix) ? illuminant(name.substr(kPrefix.size())) : std::nullopt;
+  return name.starts_with(kPrefix) ? spectra::illuminant(name.substr(kPrefix.size())) : std::nullopt;
 }
 
-bool is_sound(const std::vector<SpectralSample>& samples) {
+bool is_sound(const std::vector<spectra::SpectralSample>& samples) {
   for (std::size_t i = 1; i < samples.size(); ++i)
     if (!(samples[i].wavelength_nm > samples[i - 1].wavelength_nm)) return false;
   return !samples.empty();
 }
 
-Rgb color_of_samples(const std::vector<SpectralSample>& samples, SpectrumRole role) {
+Rgb color_of_samples(const std::vector<spectra::SpectralSample>& samples, SpectrumRole role) {
   if (role == SpectrumRole::kIlluminant) return light_color(samples);
   const Rgb factor = factor_color(samples);
   return role == SpectrumRole::kAlbedo ? clamped(factor) : factor;
 }
 
 // Wavelengths and values in turn; '#' begins a comment.
-std::vector<SpectralSample> parse_samples(std::string_view text) {
-  std::vector<SpectralSample> samples;
+std::vector<spectra::SpectralSample> parse_samples(std::string_view text) {
+  std::vector<spectra::SpectralSample> samples;
   Tokenizer tokens(text);
   std::optional<float> wavelength;
   while (samples.size() < kMaxSamples) {
@@ -115,7 +115,7 @@ std::vector<SpectralSample> parse_samples(std::string_view text) {
 }  // namespace
 
 bool Colors::set_space(const std::string& name) {
-  const auto matrix = to_rec709(name);
+  const auto matrix = spectra::to_rec709(name);
   if (!matrix) return false;
   to_rec709_ = *matrix;
   space_ = name;
@@ -132,7 +132,7 @@ Rgb Colors::color(const Parameters& owner, const Parameter& parameter, SpectrumR
   if (parameter.type == "rgb" || parameter.type == "color" || parameter.type == "xyz") {
     result = from_rgb(parameter, role);
   } else if (parameter.type == "blackbody" && !parameter.floats.empty() && parameter.floats.front() > 0) {
-    result = blackbody_color(static_cast<double>(parameter.floats.front()));
+    result = spectra::blackbody_color(static_cast<double>(parameter.floats.front()));
     if (parameter.floats.size() > 1)
       owner.remark(parameter.name,
                    "has several values; the first one is the temperature, the others are ignored");
@@ -163,7 +163,7 @@ std::optional<Rgb> Colors::from_rgb(const Parameter& parameter, SpectrumRole rol
   if (v.size() == 1) return Rgb::gray(v[0]);
   if (v.size() < 3) return std::nullopt;
   if (parameter.type == "xyz")
-    return to_linear_rec709(
+    return spectra::to_linear_rec709(
         {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])});
   const Rgb rgb{v[0], v[1], v[2]};
   // Indices and coefficients are no colours: their channels stay as they are.

@@ -49,7 +49,7 @@ class Colors {
   ComplexIndex metal(const Parameters& owner, std::string_view eta, std::string_view k);
 
  private:
-  using Samples = std::vector<SpectralSample>;
+  using Samples = std::vector<spectra::SpectralSample>;
 
   std::optional<Rgb> from_rgb(const Parameter& parameter, SpectrumRole role) const;
   std::optional<Rgb> from_spectrum(const Parameters& owner, const Parameter& parameter, SpectrumRole role);
@@ -61,7 +61,7 @@ class Colors {
   SceneBuilder& builder_;
   const Report& report_;
   std::string space_ = "srgb";
-  ColorMatrix to_rec709_{};
+  spectra::ColorMatrix to_rec709_{};
   std::map<std::string, Samples> files_;  // by name; empty if the file cannot be used
   Samples inline_;                        // of the latest parameter
 };

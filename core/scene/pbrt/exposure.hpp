@@ -12,7 +12,7 @@ namespace tessera::core::pbrt {
 
 struct Exposure {
   float imaging_ratio = 1;
-  std::optional<ColorMatrix> white_balance{};
+  std::optional<spectra::ColorMatrix> white_balance{};
 
   // The colour in the image of an emitted one.
   Rgb operator()(Rgb emitted) const {

@@ -157,7 +157,7 @@ Exposure ViewConverter::exposure() const {
                                            in_quotes(sensor)));
     if (kelvin == 0) kelvin = 6500;
   }
-  if (kelvin > 0) exposure.white_balance = white_balance(daylight(static_cast<double>(kelvin)));
+  if (kelvin > 0) exposure.white_balance = white_balance(spectra::daylight(static_cast<double>(kelvin)));
   return exposure;
 }
 

@@ -37,7 +37,7 @@ void for_each_table(const Visit& visit) {
   visit_own(std::type_identity<Material>(), "material");
   visit_own(std::type_identity<MediumDescription>(), "medium");
   for_each_type<LightDescription>(scene_keys::kLightTypes, visit_own);
-  visit_own(std::type_identity<ProjectedImage>(), "projected_image");
+  visit_own(std::type_identity<lights::ProjectedImage>(), "projected_image");
   visit_own(std::type_identity<EnvironmentDescription>(), "environment");
   for_each_type<ShapeKeys>(scene_keys::kShapeTypes, visit_own);
 }

@@ -48,17 +48,17 @@ inline constexpr auto kKeys<PointLightDescription> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<ProjectedImage> = std::tuple{
-    Key{"texture", &ProjectedImage::texture, domains::kTextureName,
+inline constexpr auto kKeys<lights::ProjectedImage> = std::tuple{
+    Key{"texture", &lights::ProjectedImage::texture, domains::kTextureName,
         "the image, which multiplies the intensity. Beyond its edges there is no light",
         KeyTraits{.required = true}},
-    Key{"right", &ProjectedImage::right, domains::kEdge,
+    Key{"right", &lights::ProjectedImage::right, domains::kEdge,
         "from the middle of the image to its right edge, at a distance of 1 along the axis of the cone; "
         "perpendicular to it",
         KeyTraits{.required = true}},
-    Key{"up", &ProjectedImage::up, domains::kEdge, "from the middle of the image to its upper edge, likewise",
-        KeyTraits{.required = true}},
-    Key{"flat_field", &ProjectedImage::flat_field, domains::kTruth,
+    Key{"up", &lights::ProjectedImage::up, domains::kEdge,
+        "from the middle of the image to its upper edge, likewise", KeyTraits{.required = true}},
+    Key{"flat_field", &lights::ProjectedImage::flat_field, domains::kTruth,
         "whether an even image evenly lights a wall perpendicular to the axis (intensity / cos³); otherwise "
         "its intensity is even"},
 };

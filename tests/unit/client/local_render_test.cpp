@@ -32,7 +32,8 @@ class LocalRenderTest : public testing::Test {
 
   core::Film at_once() const {
     core::Film film(core::TileGrid(settings_.window(), core::kTilePx));
-    film.add(core::render(core::prepare(scene_, settings_, 1), settings_.window(), {0, settings_.spp}, 1));
+    film.add(core::integrators::render(core::integrators::prepare(scene_, settings_, 1), settings_.window(),
+                                       {0, settings_.spp}, 1));
     return film;
   }
 
@@ -46,9 +47,10 @@ TEST_F(LocalRenderTest, IsTheSameAsRenderingInOneCall) {
   SharedFilm film = empty_film();
   EXPECT_TRUE(render(film, kNever));
   EXPECT_TRUE(film.film() == at_once());
-  EXPECT_EQ(
-      film.totals().counters,
-      core::render(core::prepare(scene_, settings_, 1), settings_.window(), {0, settings_.spp}, 1).counters);
+  EXPECT_EQ(film.totals().counters,
+            core::integrators::render(core::integrators::prepare(scene_, settings_, 1), settings_.window(),
+                                      {0, settings_.spp}, 1)
+                .counters);
 }
 
 TEST_F(LocalRenderTest, StopsWhenAsked) {
@@ -97,7 +99,8 @@ TEST_F(LocalRenderTest, ContinuedFromCheckpointsIsTheSameToTheBit) {
     EXPECT_TRUE(render(film, kNever, 3));
     EXPECT_TRUE(film.film() == at_once()) << "seed " << seed;
     EXPECT_EQ(film.totals().counters,
-              core::render(core::prepare(scene_, settings_, 1), settings_.window(), {0, settings_.spp}, 1)
+              core::integrators::render(core::integrators::prepare(scene_, settings_, 1), settings_.window(),
+                                        {0, settings_.spp}, 1)
                   .counters);
   }
 }

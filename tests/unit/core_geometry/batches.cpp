@@ -51,7 +51,7 @@ Rays parallel_rays(Random& random, std::size_t count) {
   return rays;
 }
 
-std::vector<Hit> closest_hits(const Bvh& bvh, const Primitives& primitives, const Rays& rays) {
+std::vector<Hit> closest_hits(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays) {
   const std::vector<Hit> wrong(rays.size(), Hit{0, 0, 0, 0});
   Columns<Hit> hits{std::span(wrong)};
   bvh.closest_hits(primitives, Columns<Ray>(std::span(rays)).all(), hits.all());
@@ -60,7 +60,7 @@ std::vector<Hit> closest_hits(const Bvh& bvh, const Primitives& primitives, cons
   return found;
 }
 
-std::vector<std::uint8_t> any_hits(const Bvh& bvh, const Primitives& primitives, const Rays& rays) {
+std::vector<std::uint8_t> any_hits(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays) {
   std::vector<std::uint8_t> occluded(rays.size(), 2);
   bvh.any_hits(primitives, Columns<Ray>(std::span(rays)).all(), occluded);
   return occluded;
@@ -73,7 +73,7 @@ WordLanes rows_from(std::size_t first) {
   return rows;
 }
 
-void expect_same_answers(const Bvh& bvh, const Primitives& primitives, const Rays& rays) {
+void expect_same_answers(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays) {
   const std::vector<Hit> hits = closest_hits(bvh, primitives, rays);
   const std::vector<std::uint8_t> occluded = any_hits(bvh, primitives, rays);
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -85,7 +85,7 @@ void expect_same_answers(const Bvh& bvh, const Primitives& primitives, const Ray
   }
 }
 
-void expect_same_answers_beside(float bad, const Bvh& bvh, const Soup& soup, Random& random) {
+void expect_same_answers_beside(float bad, const accel::Bvh& bvh, const Soup& soup, Random& random) {
   for (Rays rays : {camera_rays(soup, random, 64, 0.01f), random_rays(soup, random, 64)}) {
     rays[3].direction = {bad, bad, bad};
     rays[8].origin.y = bad;

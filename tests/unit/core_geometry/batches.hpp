@@ -25,16 +25,16 @@ Rays random_rays(const Soup& soup, Random& random, std::size_t count);
 Rays parallel_rays(Random& random, std::size_t count);
 
 // The answers of both queries of many rays.
-std::vector<Hit> closest_hits(const Bvh& bvh, const Primitives& primitives, const Rays& rays);
-std::vector<std::uint8_t> any_hits(const Bvh& bvh, const Primitives& primitives, const Rays& rays);
+std::vector<Hit> closest_hits(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays);
+std::vector<std::uint8_t> any_hits(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays);
 
 // kLaneCount rows from `first` on.
 WordLanes rows_from(std::size_t first);
 
 // Whether both queries of many rays answer as that of one ray does, bit for bit; a fatal failure if not.
-void expect_same_answers(const Bvh& bvh, const Primitives& primitives, const Rays& rays);
+void expect_same_answers(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays);
 
 // The same of rays among which are some that are none, with the number `bad` where it should not be.
-void expect_same_answers_beside(float bad, const Bvh& bvh, const Soup& soup, Random& random);
+void expect_same_answers_beside(float bad, const accel::Bvh& bvh, const Soup& soup, Random& random);
 
 }  // namespace tessera::core::test

@@ -16,11 +16,11 @@ namespace tessera::core {
 namespace {
 
 // Boxes within a cube whose side is twice `scale`.
-std::vector<BuildItem> random_items(std::size_t count, float scale, unsigned seed) {
+std::vector<accel::BuildItem> random_items(std::size_t count, float scale, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(-1, 1);
   const auto anywhere = [&] { return scale * unit(random); };
-  std::vector<BuildItem> items;
+  std::vector<accel::BuildItem> items;
   for (std::size_t i = 0; i < count; ++i) {
     Aabb box;
     for (int corner = 0; corner < 2; ++corner) box.include(Vec3{anywhere(), anywhere(), anywhere()});
@@ -30,9 +30,9 @@ std::vector<BuildItem> random_items(std::size_t count, float scale, unsigned see
 }
 
 // Ids, in order.
-std::vector<std::uint32_t> ids_of(std::span<const BuildItem> items) {
+std::vector<std::uint32_t> ids_of(std::span<const accel::BuildItem> items) {
   std::vector<std::uint32_t> ids;
-  for (const BuildItem& item : items) ids.push_back(item.primitive());
+  for (const accel::BuildItem& item : items) ids.push_back(item.primitive());
   std::sort(ids.begin(), ids.end());
   return ids;
 }
@@ -43,8 +43,9 @@ struct PlainParts {
   Aabb boxes[2];
   std::vector<std::uint32_t> left;  // ids, in order
 
-  PlainParts(const std::vector<BuildItem>& items, const Binning& binning, int axis, int first_right_bin) {
-    for (const BuildItem& item : items) {
+  PlainParts(const std::vector<accel::BuildItem>& items, const accel::Binning& binning, int axis,
+             int first_right_bin) {
+    for (const accel::BuildItem& item : items) {
       alignas(32) std::uint32_t bins[8];
       binning.bins(item.box(), item.box()).store(bins);
       const bool is_right = bins[axis] >= static_cast<std::uint32_t>(first_right_bin);
@@ -61,7 +62,8 @@ struct PlainParts {
     for (int side = 0; side < 2; ++side) {
       const double x = boxes[side].extent(0) / unit, y = boxes[side].extent(1) / unit,
                    z = boxes[side].extent(2) / unit;
-      sum += (x * y + y * z + z * x) * static_cast<double>((counts[side] + kMaxLeafSize - 1) / kMaxLeafSize);
+      sum += (x * y + y * z + z * x) *
+             static_cast<double>((counts[side] + accel::kMaxLeafSize - 1) / accel::kMaxLeafSize);
     }
     return sum;
   }
@@ -73,17 +75,17 @@ TEST_P(Binned, ItemsAreCutWhereItIsCheapest) {
   for (const std::size_t count : {2, 5, 8, 33, 1000}) {
     for (unsigned seed = 0; seed < 10; ++seed) {
       SCOPED_TRACE(testing::Message() << count << " items, seed " << seed);
-      std::vector<BuildItem> items = random_items(count, GetParam(), seed);
-      const RangeBounds bounds = bounds_of(items);
-      const Binning binning(bounds.half_centroids.box());
-      Bins bins;
+      std::vector<accel::BuildItem> items = random_items(count, GetParam(), seed);
+      const accel::RangeBounds bounds = bounds_of(items);
+      const accel::Binning binning(bounds.half_centroids.box());
+      accel::Bins bins;
       bins.add(binning, items);
-      const Split split = bins.best_split(bounds.boxes.box());
+      const accel::Split split = bins.best_split(bounds.boxes.box());
       ASSERT_GE(split.axis, 0);
 
       double least = std::numeric_limits<double>::infinity();
       for (int axis = 0; axis < 3; ++axis) {
-        for (int border = 1; border < kBins; ++border) {
+        for (int border = 1; border < accel::kBins; ++border) {
           const PlainParts parts(items, binning, axis, border);
           if (parts.counts[0] > 0 && parts.counts[1] > 0) least = std::min(least, parts.cost(GetParam()));
         }
@@ -93,8 +95,8 @@ TEST_P(Binned, ItemsAreCutWhereItIsCheapest) {
       EXPECT_EQ(split.left.box(), expected.boxes[0]);
       EXPECT_EQ(split.right.box(), expected.boxes[1]);
 
-      const Parts parts = partition(items, binning, split);
-      const std::span<const BuildItem> all(items);
+      const accel::Parts parts = partition(items, binning, split);
+      const std::span<const accel::BuildItem> all(items);
       EXPECT_EQ(ids_of(all.first(parts.left_count)), expected.left);
       EXPECT_EQ(parts.left_half_centroids.box(), bounds_of(all.first(parts.left_count)).half_centroids.box());
       EXPECT_EQ(parts.right_half_centroids.box(),
@@ -106,43 +108,43 @@ TEST_P(Binned, ItemsAreCutWhereItIsCheapest) {
 INSTANTIATE_TEST_SUITE_P(OfAllSizes, Binned, testing::Values(1e-30f, 1.0f, 3e38f));
 
 TEST(Partition, ByManyThreadsGivesTheSameParts) {
-  std::vector<BuildItem> items = random_items(3 * kParallelSize + 1, 1, 25);
-  const RangeBounds bounds = bounds_of(items);
-  const Binning binning(bounds.half_centroids.box());
-  Bins at_once, in_pieces;
+  std::vector<accel::BuildItem> items = random_items(3 * accel::kParallelSize + 1, 1, 25);
+  const accel::RangeBounds bounds = bounds_of(items);
+  const accel::Binning binning(bounds.half_centroids.box());
+  accel::Bins at_once, in_pieces;
   at_once.add(binning, items);
-  for (std::size_t piece = 0; piece < piece_count(items.size()); ++piece) {
-    Bins bins;
+  for (std::size_t piece = 0; piece < accel::piece_count(items.size()); ++piece) {
+    accel::Bins bins;
     bins.add(binning, piece_of(items, piece));
     in_pieces.add(bins);
   }
-  const Split split = at_once.best_split(bounds.boxes.box());
-  const Split same = in_pieces.best_split(bounds.boxes.box());
+  const accel::Split split = at_once.best_split(bounds.boxes.box());
+  const accel::Split same = in_pieces.best_split(bounds.boxes.box());
   EXPECT_EQ(std::tie(split.cost, split.axis, split.first_right_bin),
             std::tie(same.cost, same.axis, same.first_right_bin));
-  for (const int border : {1, 5, split.first_right_bin, kBins - 1}) {
-    Split at = split;
+  for (const int border : {1, 5, split.first_right_bin, accel::kBins - 1}) {
+    accel::Split at = split;
     at.first_right_bin = border;
-    std::vector<BuildItem> by_one = items, by_many = items;
-    const Parts expected = partition(by_one, binning, at);
-    Parts parts;
+    std::vector<accel::BuildItem> by_one = items, by_many = items;
+    const accel::Parts expected = partition(by_one, binning, at);
+    accel::Parts parts;
 #pragma omp parallel num_threads(3)
 #pragma omp single
     parts = partition_in_parallel(by_many, binning, at);
     ASSERT_EQ(parts.left_count, expected.left_count);
     EXPECT_EQ(parts.left_half_centroids.box(), expected.left_half_centroids.box());
     EXPECT_EQ(parts.right_half_centroids.box(), expected.right_half_centroids.box());
-    const std::span<const BuildItem> one(by_one), many(by_many);
+    const std::span<const accel::BuildItem> one(by_one), many(by_many);
     EXPECT_EQ(ids_of(many.first(parts.left_count)), ids_of(one.first(parts.left_count)));
     EXPECT_EQ(ids_of(many.subspan(parts.left_count)), ids_of(one.subspan(parts.left_count)));
   }
 }
 
 TEST(Binning, ItemsOfOneCentroidAreNotCut) {
-  const std::vector<BuildItem> items(9, BuildItem({{-1, 2, 3}, {4, 5, 6}}, 7));
-  const RangeBounds bounds = bounds_of(items);
-  Bins bins;
-  bins.add(Binning(bounds.half_centroids.box()), items);
+  const std::vector<accel::BuildItem> items(9, accel::BuildItem({{-1, 2, 3}, {4, 5, 6}}, 7));
+  const accel::RangeBounds bounds = bounds_of(items);
+  accel::Bins bins;
+  bins.add(accel::Binning(bounds.half_centroids.box()), items);
   EXPECT_LT(bins.best_split(bounds.boxes.box()).axis, 0);
 }
 

@@ -15,7 +15,7 @@ class Batch : public testing::TestWithParam<std::uint32_t> {};
 TEST_P(Batch, AnswersAsOneByOne) {
   for (const test::Soup& soup : test::all_soups(GetParam())) {
     SCOPED_TRACE(soup.name);
-    const Bvh bvh = Bvh::build(soup.primitives, 2);
+    const accel::Bvh bvh = accel::Bvh::build(soup.primitives, 2);
     test::Random random(11);
     // At last more than are sorted at a time.
     for (const std::size_t count :
@@ -36,7 +36,7 @@ TEST_P(Batch, AnswersAsOneByOne) {
 TEST_P(Batch, AnswersAsOneByOneWhereOnlySomeNeighboursGoTheSameWay) {
   for (const test::Soup& soup : test::all_soups(GetParam())) {
     SCOPED_TRACE(soup.name);
-    const Bvh bvh = Bvh::build(soup.primitives, 1);
+    const accel::Bvh bvh = accel::Bvh::build(soup.primitives, 1);
     test::Random random(14);
     test::Rays rays;
     const auto append = [&rays](const test::Rays& more) {
@@ -81,7 +81,7 @@ TEST(Batch, AnswersAsOneByOneAmongNeedles) {
                    shown = {"an instance of needles", instance_of(needles.primitives), 1};
   for (const test::Soup* soup : {&needles, &shown}) {
     SCOPED_TRACE(soup->name);
-    const Bvh bvh = Bvh::build(soup->primitives, 2);
+    const accel::Bvh bvh = accel::Bvh::build(soup->primitives, 2);
     for (const std::size_t count : {80u, 600u})
       test::expect_same_answers(bvh, soup->primitives, test::random_rays(*soup, random, count));
     test::expect_same_answers(bvh, soup->primitives, test::lamp_rays(*soup, random, 600, true));
@@ -93,7 +93,7 @@ TEST(Batch, SurvivesRaysThatAreNotRaysAmongOthers) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const test::Soup& soup : test::all_soups(400)) {
     SCOPED_TRACE(soup.name);
-    const Bvh bvh = Bvh::build(soup.primitives, 1);
+    const accel::Bvh bvh = accel::Bvh::build(soup.primitives, 1);
     test::Random random(12);
     for (const float bad : {nan, kInfinity, -kInfinity, 0.0f})
       ASSERT_NO_FATAL_FAILURE(test::expect_same_answers_beside(bad, bvh, soup, random));
@@ -102,7 +102,7 @@ TEST(Batch, SurvivesRaysThatAreNotRaysAmongOthers) {
 
 TEST(Batch, OfNothingIsMissed) {
   const test::Rays rays(70, Ray{{0, 0, 0}, {0, 0, 1}});
-  test::expect_same_answers(Bvh(), Primitives(), rays);
+  test::expect_same_answers(accel::Bvh(), Primitives(), rays);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-void expect_same_hits(const Bvh& bvh, const Primitives& primitives, Ray ray) {
+void expect_same_hits(const accel::Bvh& bvh, const Primitives& primitives, Ray ray) {
   const Hit expected = test::brute_force_hit(primitives, ray), actual = bvh.closest_hit(primitives, ray);
   ASSERT_TRUE(test::identical(expected, actual))
       << "expected " << test::describe(ray, expected) << "\n     got " << test::describe(ray, actual);
@@ -38,7 +38,7 @@ TEST_P(BruteForce, FindsTheSameHitsInEverySoup) {
   const int rays = static_cast<int>(std::min(10000u, 2000000 / count) / tessera::test::kEffortDivisor);
   for (const test::Soup& soup : test::all_soups(count)) {
     SCOPED_TRACE(soup.name);
-    const Bvh bvh = Bvh::build(soup.primitives, 2);
+    const accel::Bvh bvh = accel::Bvh::build(soup.primitives, 2);
     test::Random random(9);
     int hits = 0;
     for (int i = 0; i < rays; ++i) {
@@ -58,7 +58,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, BruteForce, testing::Values(1, 2, 5, 33, 400, 50
 void expect_same_hits_on(const test::Mesh& mesh) {
   const Primitives primitives = mesh.primitives();
   ASSERT_GT(primitives.count(), 50000u);
-  const Bvh bvh = Bvh::build(primitives, 2);
+  const accel::Bvh bvh = accel::Bvh::build(primitives, 2);
   Aabb box;
   for (const Vec3& p : mesh.positions) box.include(p);
   const float size = length(box.upper - box.lower);
@@ -102,14 +102,14 @@ TEST(BruteForce, FindsTheSameHitsOnTheBunny) {
 
 TEST(Bvh, OfNothingIsMissed) {
   const Primitives nothing;
-  EXPECT_FALSE(Bvh().closest_hit(nothing, {{0, 0, 0}, {0, 0, 1}}).found());
-  EXPECT_FALSE(Bvh::build(nothing, 2).any_hit(nothing, {{0, 0, 0}, {0, 0, 1}}));
+  EXPECT_FALSE(accel::Bvh().closest_hit(nothing, {{0, 0, 0}, {0, 0, 1}}).found());
+  EXPECT_FALSE(accel::Bvh::build(nothing, 2).any_hit(nothing, {{0, 0, 0}, {0, 0, 1}}));
 }
 
 TEST(Bvh, SurvivesRaysThatAreNotRays) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const test::Soup& soup : test::all_soups(100)) {
-    const Bvh bvh = Bvh::build(soup.primitives, 1);
+    const accel::Bvh bvh = accel::Bvh::build(soup.primitives, 1);
     for (const float bad : {nan, kInfinity, -kInfinity, 0.0f}) {
       EXPECT_FALSE(bvh.any_hit(soup.primitives, {{0, 0, 0}, {bad, bad, bad}}));
       const Hit hit = bvh.closest_hit(soup.primitives, {{bad, 0, 0}, {0, bad, 1}});
@@ -127,7 +127,7 @@ TEST(Bvh, LeavesOutWhatIsNotFinite) {
   Primitives primitives = mesh.primitives();
   primitives.add_sphere({0, 0, 1}, kInfinity, 0);
   primitives.add_sphere({0, nan, 1}, 1, 0);
-  const Hit hit = Bvh::build(primitives, 1).closest_hit(primitives, {{0, 0, 0}, {0, 0, 1}});
+  const Hit hit = accel::Bvh::build(primitives, 1).closest_hit(primitives, {{0, 0, 0}, {0, 0, 1}});
   EXPECT_EQ(hit.primitive, 0u);
   EXPECT_EQ(hit.t, 2);
 }

@@ -17,17 +17,18 @@ namespace {
 
 TEST(BvhStructure, IsTheSameForAnyNumberOfThreads) {
   for (const test::Soup& soup : test::all_soups(10000)) {
-    const Bvh one = Bvh::build(soup.primitives, 1);
-    for (const int threads : {2, 3}) EXPECT_TRUE(Bvh::build(soup.primitives, threads) == one) << soup.name;
+    const accel::Bvh one = accel::Bvh::build(soup.primitives, 1);
+    for (const int threads : {2, 3})
+      EXPECT_TRUE(accel::Bvh::build(soup.primitives, threads) == one) << soup.name;
   }
   // Large enough for many threads to work on the same cut.
   for (const test::Soup& soup : test::all_soups(70000)) {
     if (tessera::test::kEffortDivisor > 1 && soup.name != std::string("uniform")) continue;
-    const Bvh one = Bvh::build(soup.primitives, 1);
-    EXPECT_TRUE(Bvh::build(soup.primitives, 4) == one) << soup.name;
+    const accel::Bvh one = accel::Bvh::build(soup.primitives, 1);
+    EXPECT_TRUE(accel::Bvh::build(soup.primitives, 4) == one) << soup.name;
   }
   const auto soups = test::all_soups(1000);
-  EXPECT_FALSE(Bvh::build(soups[0].primitives, 1) == Bvh::build(soups[1].primitives, 1));
+  EXPECT_FALSE(accel::Bvh::build(soups[0].primitives, 1) == accel::Bvh::build(soups[1].primitives, 1));
 }
 
 bool contains(const Aabb& outer, const Aabb& inner) {
@@ -37,11 +38,11 @@ bool contains(const Aabb& outer, const Aabb& inner) {
 }
 
 // Checks the subtree, appends its primitives and returns its depth.
-int check(const Primitives& primitives, const BinaryBvh& tree, std::uint32_t index,
+int check(const Primitives& primitives, const accel::BinaryBvh& tree, std::uint32_t index,
           std::vector<std::uint32_t>& found) {
-  const BinaryBvh::Node& node = tree.nodes[index];
+  const accel::BinaryBvh::Node& node = tree.nodes[index];
   if (node.is_leaf()) {
-    EXPECT_LE(node.count, kMaxLeafSize);
+    EXPECT_LE(node.count, accel::kMaxLeafSize);
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
       found.push_back(tree.order[i]);
       EXPECT_TRUE(contains(node.box(), primitives.bounds(tree.order[i])));
@@ -55,7 +56,7 @@ int check(const Primitives& primitives, const BinaryBvh& tree, std::uint32_t ind
 }
 
 int check(const Primitives& primitives) {
-  const BinaryBvh tree = build_binary_bvh(primitives, 2);
+  const accel::BinaryBvh tree = accel::build_binary_bvh(primitives, 2);
   std::vector<std::uint32_t> found, expected;
   const int depth = check(primitives, tree, 0, found);
   for (std::uint32_t i = 0; i < primitives.count(); ++i) {
@@ -69,7 +70,7 @@ int check(const Primitives& primitives) {
 TEST(BvhStructure, HoldsEverythingOnceWithinItsBoxes) {
   for (const test::Soup& soup : test::all_soups(5000)) {
     SCOPED_TRACE(soup.name);
-    EXPECT_LE(check(soup.primitives), kMaxTreeDepth);
+    EXPECT_LE(check(soup.primitives), accel::kMaxTreeDepth);
   }
 }
 
@@ -94,13 +95,13 @@ Primitives of_many_kinds() {
 TEST(BvhStructure, HasOneKindInEachLeafAndEachInstanceAlone) {
   const Primitives primitives = of_many_kinds();
   check(primitives);
-  const Bvh bvh = Bvh::build(primitives, 2);
+  const accel::Bvh bvh = accel::Bvh::build(primitives, 2);
   std::set<GeometryKind> kinds;
   std::size_t found = 0;
-  for (const BvhPacket& packet : bvh.arrays().packets) {
+  for (const accel::BvhPacket& packet : bvh.arrays().packets) {
     kinds.insert(packet.kind);
     EXPECT_TRUE(packet.kind != GeometryKind::kInstance || packet.lanes == 1);
-    for_each_lane(packet.lanes, [&](std::size_t lane) {
+    accel::for_each_lane(packet.lanes, [&](std::size_t lane) {
       EXPECT_EQ(primitives.kind(packet.primitives[lane]), packet.kind);
       ++found;
     });
@@ -114,7 +115,7 @@ TEST(BvhStructure, OfIdenticalTrianglesIsBalanced) {
   for (int i = 0; i < 100000; ++i) mesh.add({Vec3{-1, -1, 0}, Vec3{1, -1, 0}, Vec3{0, 1, 0}});
   const Primitives primitives = mesh.primitives();
   EXPECT_LE(check(primitives), 15);
-  const Hit hit = Bvh::build(primitives, 2).closest_hit(primitives, {{0, 0, 1}, {0, 0, -1}});
+  const Hit hit = accel::Bvh::build(primitives, 2).closest_hit(primitives, {{0, 0, 1}, {0, 0, -1}});
   EXPECT_EQ(hit.primitive, 0u) << "of all that are as near, the lowest id";
 }
 
@@ -126,9 +127,9 @@ TEST(BvhStructure, OfExponentiallySpacedTrianglesIsBoundedInDepth) {
   }
   const Primitives primitives = mesh.primitives();
   const int depth = check(primitives);
-  EXPECT_GT(depth, kMaxSahDepth) << "not hard enough to reach the limit";
-  EXPECT_LE(depth, kMaxTreeDepth);
-  const Bvh bvh = Bvh::build(primitives, 2);
+  EXPECT_GT(depth, accel::kMaxSahDepth) << "not hard enough to reach the limit";
+  EXPECT_LE(depth, accel::kMaxTreeDepth);
+  const accel::Bvh bvh = accel::Bvh::build(primitives, 2);
   for (const Ray& ray : {Ray{{-1, 0, 0}, {1, 0, 0}}, Ray{{1e38f, 1e-3f, 1e-3f}, {-1, 0, 0}}}) {
     EXPECT_TRUE(test::identical(bvh.closest_hit(primitives, ray), test::brute_force_hit(primitives, ray)));
   }

@@ -111,7 +111,7 @@ TEST(DeformingMeshes, AreHitInTheShapeOfTheTimeOfTheRay) {
   test::Random random(61);
   const DeformingScene scene(random);
   const Primitives moving = scene.deforming();
-  const Bvh bvh = Bvh::build(moving, 1);
+  const accel::Bvh bvh = accel::Bvh::build(moving, 1);
   int hits = 0;
   for (int i = 0; i < 24; ++i) {
     const float time = i == 0 ? 0 : i == 1 ? 1 : random.uniform(0, 1);
@@ -135,7 +135,7 @@ TEST(DeformingMeshes, AreHitByGroupsAsByEachRayAlone) {
   test::Random random(62);
   for (int i = 0; i < 4; ++i) {
     const test::Soup soup{"deforming", DeformingScene(random).deforming(), 2};
-    const Bvh bvh = Bvh::build(soup.primitives, 1);
+    const accel::Bvh bvh = accel::Bvh::build(soup.primitives, 1);
     for (const std::size_t count : {9u, 64u, 300u})
       for (test::Rays rays :
            {test::camera_rays(soup, random, count, 1e-3f), test::camera_rays(soup, random, count, 0.1f),
@@ -150,7 +150,7 @@ TEST(DeformingMeshes, AreHitByGroupsAsByEachRayAlone) {
 TEST(DeformingMeshes, HaveTheSameSurfacesInLanes) {
   test::Random random(63);
   const Primitives moving = DeformingScene(random).deforming();
-  const Bvh bvh = Bvh::build(moving, 1);
+  const accel::Bvh bvh = accel::Bvh::build(moving, 1);
   std::vector<Ray> rays;
   std::vector<Hit> hits;
   while (rays.size() < 800) {
@@ -210,7 +210,7 @@ TEST(DeformingMeshes, WithEqualStepsAreHitAsStillOnes) {
   moving.deform(0, kExposure);
   EXPECT_TRUE(moving.has_motion());
   still.add_mesh(mesh.steps[0].positions, mesh.steps[0].normals, mesh.uvs, mesh.mesh.triangles, {0});
-  const Bvh of_moving = Bvh::build(moving, 1), of_still = Bvh::build(still, 1);
+  const accel::Bvh of_moving = accel::Bvh::build(moving, 1), of_still = accel::Bvh::build(still, 1);
   for (Ray ray : test::random_rays({"", still, 1}, random, 2000)) {
     ray.time = random.uniform(0, 1);
     const Hit a = of_moving.closest_hit(moving, ray), b = of_still.closest_hit(still, ray);
@@ -224,7 +224,7 @@ TEST(DeformingMeshes, AreShownAtAFrameAsStillOnes) {
   test::Random random(66);
   const DeformingScene scene(random);
   Primitives shown = scene.deforming();
-  Bvh bvh = Bvh::build(shown, 1);
+  accel::Bvh bvh = accel::Bvh::build(shown, 1);
   for (const float frame : {0.0f, 2.75f, 9.0f}) {
     shown.stop_instances();
     shown.place_instance(3, Placement(transform_at(scene.motion, frame)));
@@ -232,7 +232,7 @@ TEST(DeformingMeshes, AreShownAtAFrameAsStillOnes) {
     bvh.rebuild(shown, 1);
     EXPECT_FALSE(shown.has_motion());
     const Primitives still = scene.still_at(frame);
-    EXPECT_EQ(bvh, Bvh::build(still, 1)) << frame;
+    EXPECT_EQ(bvh, accel::Bvh::build(still, 1)) << frame;
     EXPECT_FALSE(shown.is_moving_triangle(100));
   }
 }

@@ -75,7 +75,8 @@ test::Rays moved(test::Rays rays, Vec3 by) {
   return rays;
 }
 
-void expect_what_brute_force_finds(const Bvh& bvh, const Primitives& primitives, const test::Rays& rays) {
+void expect_what_brute_force_finds(const accel::Bvh& bvh, const Primitives& primitives,
+                                   const test::Rays& rays) {
   const std::vector<Hit> hits = test::closest_hits(bvh, primitives, rays);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Hit expected = test::brute_force_hit(primitives, rays[i]);
@@ -96,7 +97,7 @@ TEST_P(GroupsThroughInstances, FindWhatEachRayFindsAlone) {
   test::Random random(21);
   for (int scene = 0; scene < 4; ++scene) {
     const test::Soup soup = shown(show(), random);
-    const Bvh bvh = Bvh::build(soup.primitives, 1);
+    const accel::Bvh bvh = accel::Bvh::build(soup.primitives, 1);
     const Vec3 place = show().size * show().distance * Vec3{0.6f, -0.64f, 0.48f};
     for (const std::size_t count : {9u, 64u, 300u}) {
       for (const float pixel : {1e-4f, 0.01f, 0.1f}) {
@@ -117,7 +118,7 @@ TEST_P(GroupsThroughInstances, FindWhatEachRayFindsAlone) {
 TEST_P(GroupsThroughInstances, FindWhatBruteForceFinds) {
   test::Random random(22);
   const test::Soup soup = shown(show(), random);
-  const Bvh bvh = Bvh::build(soup.primitives, 1);
+  const accel::Bvh bvh = accel::Bvh::build(soup.primitives, 1);
   for (int i = 0; i < 3; ++i) {
     expect_what_brute_force_finds(bvh, soup.primitives, test::camera_rays(soup, random, 64, 0.03f));
     expect_what_brute_force_finds(bvh, soup.primitives, test::lamp_rays(soup, random, 64, false));
@@ -172,7 +173,7 @@ TEST(GroupsThroughInstances, TellSurfacesApartThatAreAHairFromEachOther) {
     soup.primitives.add_object(sheets_of_object.primitives());
     for (int i = 0; i < 4; ++i)
       soup.primitives.add_instance({Placement(translation(random.in_box(3e-7f) - center)), 0});
-    const Bvh bvh = Bvh::build(soup.primitives, 1);
+    const accel::Bvh bvh = accel::Bvh::build(soup.primitives, 1);
     for (const float pixel : {1e-3f, 0.01f, 0.1f})
       test::expect_same_answers(bvh, soup.primitives, test::camera_rays(soup, random, 640, pixel));
     test::expect_same_answers(bvh, soup.primitives, test::lamp_rays(soup, random, 640, false));
@@ -194,7 +195,7 @@ TEST(GroupsThroughInstances, GiveUpAnInstanceForWhatIsNearer) {
   object.add_sphere({5, 0, 0.5f}, 0.1f, 0);  // beside the rays
   soup.primitives.add_object(object);
   soup.primitives.add_instance({Placement(Transform{}), 0});
-  const Bvh bvh = Bvh::build(soup.primitives, 1);
+  const accel::Bvh bvh = accel::Bvh::build(soup.primitives, 1);
   test::Random random(26);
   for (const std::size_t count : {13u, 60u, 64u}) {
     test::Rays rays;
@@ -214,7 +215,7 @@ TEST(GroupsThroughInstances, LeakNothingThroughAClosedMesh) {
     Primitives primitives;
     primitives.add_object(test::icosphere(3, center, 1).primitives());
     primitives.add_instance({Placement(placement_at(random, {1, t % 3 == 0 ? 500.0f : 0.0f, 0}, center)), 0});
-    const Bvh bvh = Bvh::build(primitives, 1);
+    const accel::Bvh bvh = accel::Bvh::build(primitives, 1);
     const Placement& placement = primitives.instance(0).placement;
     test::Rays rays(4096);
     const Vec3 from = center + random.in_box(0.4f);
@@ -235,7 +236,7 @@ TEST(GroupsThroughInstances, SurviveRaysThatAreNotRaysAmongOthers) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   test::Random random(24);
   const test::Soup soup = shown({1, 0, 3}, random);
-  const Bvh bvh = Bvh::build(soup.primitives, 1);
+  const accel::Bvh bvh = accel::Bvh::build(soup.primitives, 1);
   for (const float bad : {nan, kUnbounded, -kUnbounded, 0.0f, 3e38f})
     ASSERT_NO_FATAL_FAILURE(test::expect_same_answers_beside(bad, bvh, soup, random));
 }

@@ -62,7 +62,7 @@ TEST(Instance, WhereTheObjectWasModelledIsTheObjectToTheBit) {
   Primitives shown;
   shown.add_object(std::move(object));
   shown.add_instance({Placement({}), 0});
-  const Bvh flat_bvh = Bvh::build(flat, 1), shown_bvh = Bvh::build(shown, 1);
+  const accel::Bvh flat_bvh = accel::Bvh::build(flat, 1), shown_bvh = accel::Bvh::build(shown, 1);
   test::Random random(1);
   int hits = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -93,7 +93,7 @@ TEST(Instance, IsTheMovedObjectButForRounding) {
   for (int t = 0; t < 50; ++t) {
     const Transform transform = test::random_transform(random, 5);
     const Primitives moved = body.moved(transform), shown = body.placed(transform);
-    const Bvh moved_bvh = Bvh::build(moved, 1), shown_bvh = Bvh::build(shown, 1);
+    const accel::Bvh moved_bvh = accel::Bvh::build(moved, 1), shown_bvh = accel::Bvh::build(shown, 1);
     for (int i = 0; i < 400; ++i) {
       const Vec3 from = transform.origin + random.in_box(3);
       const Ray ray{from, test::point_of(moved, random) - from};
@@ -130,7 +130,7 @@ TEST(Instance, OfABallTurnsItsTextureAndStretchesIt) {
   shown.add_object(std::move(object));
   shown.add_instance({Placement(compose(scaling({2, 1, 1}), rotation({0, 1, 0}, 90))), 0});
   shown.add_instance({Placement(translation({0, 9, 0})), 0, 7});
-  const Bvh bvh = Bvh::build(shown, 1);
+  const accel::Bvh bvh = accel::Bvh::build(shown, 1);
   const Ray ray{{5, 0, 0}, {-1, 0, 0}};
   const Hit hit = bvh.closest_hit(shown, ray);
   EXPECT_NEAR(hit.t, 3, 1e-6f);
@@ -152,11 +152,11 @@ TEST(Instance, SettlesTies) {
   primitives.add_object(mesh.primitives());
   for (int i = 0; i < 6; ++i) primitives.add_instance({Placement({}), 0});
   const Ray ray{{0, 0, 0}, {0.3f, 0.5f, 0.8f}};
-  EXPECT_EQ(Bvh::build(primitives, 1).closest_hit(primitives, ray).instance, 0u);
+  EXPECT_EQ(accel::Bvh::build(primitives, 1).closest_hit(primitives, ray).instance, 0u);
   Primitives with_own = mesh.primitives();
   with_own.add_object(mesh.primitives());
   with_own.add_instance({Placement({}), 0});
-  EXPECT_EQ(Bvh::build(with_own, 1).closest_hit(with_own, ray).instance, kNoInstance);
+  EXPECT_EQ(accel::Bvh::build(with_own, 1).closest_hit(with_own, ray).instance, kNoInstance);
 }
 
 TEST(Instance, CannotBePlacedWhereSpaceIsFlattened) {
@@ -204,7 +204,7 @@ class SpawnedRaysOfInstances : public testing::TestWithParam<std::tuple<Vec3, fl
     Primitives shown;
     shown.add_object(std::move(object));
     shown.add_instance({placement, 0});
-    const Bvh bvh = Bvh::build(shown, 1);
+    const accel::Bvh bvh = accel::Bvh::build(shown, 1);
     test::Random random(7);
     for (int i = 0; i < 20000; ++i) {
       const Vec3 from = placement.point(Vec3d(random.in_box(0.4f))).rounded();
@@ -253,7 +253,7 @@ TEST(Instance, OfAClosedMeshLeaksNoRays) {
     Primitives shown;
     shown.add_object(mesh.primitives());
     shown.add_instance({Placement(transform), 0});
-    const Bvh bvh = Bvh::build(shown, 1);
+    const accel::Bvh bvh = accel::Bvh::build(shown, 1);
     for (int i = 0; i < 5000; ++i) {
       const Vec3 inside = transform.point(Vec3{5, 0, 0} + random.in_box(0.4f));
       const Vec3 target = test::point_of(shown, random);

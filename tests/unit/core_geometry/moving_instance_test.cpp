@@ -76,12 +76,12 @@ TEST(MovingInstances, AreHitWhereTheyStandAtTheTimeOfTheRay) {
   test::Random random(51);
   const Moving moving = moving_instances(random);
   const Primitives& primitives = moving.soup.primitives;
-  const Bvh bvh = Bvh::build(primitives, 1);
+  const accel::Bvh bvh = accel::Bvh::build(primitives, 1);
   int hit_moving = 0;
   for (int step = 0; step <= 16; ++step) {
     const float time = static_cast<float>(step) / 16;
     const Primitives still = still_at(moving, time);
-    const Bvh bvh_of_still = Bvh::build(still, 1);
+    const accel::Bvh bvh_of_still = accel::Bvh::build(still, 1);
     for (Ray ray : test::random_rays({"", still, 3}, random, 300)) {
       ray.time = time;
       const Hit found = bvh.closest_hit(primitives, ray), expected = bvh_of_still.closest_hit(still, ray);
@@ -104,7 +104,7 @@ TEST(MovingInstances, AreHitByGroupsAsByEachRayAlone) {
   for (int scene = 0; scene < 4; ++scene) {
     const Moving moving = moving_instances(random);
     const test::Soup& soup = moving.soup;
-    const Bvh bvh = Bvh::build(soup.primitives, 1);
+    const accel::Bvh bvh = accel::Bvh::build(soup.primitives, 1);
     for (const std::size_t count : {9u, 64u, 300u}) {
       for (const float pixel : {1e-3f, 0.1f})
         test::expect_same_answers(bvh, soup.primitives,

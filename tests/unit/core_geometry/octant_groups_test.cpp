@@ -9,7 +9,7 @@
 
 #include "tests/unit/core_geometry/shapes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 namespace {
 
 struct Groups {
@@ -89,4 +89,4 @@ TEST(OctantGroups, TakeZerosByTheirSigns) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

@@ -18,7 +18,7 @@ class SpawnedRays : public testing::TestWithParam<std::tuple<float, float>> {
   Vec3 center() const { return std::get<1>(GetParam()) * radius() * Vec3{0.6f, -0.64f, 0.48f}; }
 
   void expect_no_acne_and_no_leaks(const Primitives& primitives) {
-    const Bvh bvh = Bvh::build(primitives, 1);
+    const accel::Bvh bvh = accel::Bvh::build(primitives, 1);
     test::Random random(7);
     for (int i = 0; i < 100000; ++i) {
       const Ray ray{center() + random.in_box(0.4f * radius()), random.direction()};

@@ -11,7 +11,7 @@
 #include "core/accel/ray_group.hpp"
 #include "tests/unit/core_geometry/shapes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::accel {
 namespace {
 
 template <typename AnyRay>
@@ -89,4 +89,4 @@ TYPED_TEST(SureOfTriangles, NearAndFarLargeAndSmallWhereverTheyWereModelled) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::accel

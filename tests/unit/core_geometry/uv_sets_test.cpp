@@ -44,7 +44,7 @@ struct Met {
   std::vector<Hit> hits;
 };
 Met all_hits(const Primitives& primitives) {
-  const Bvh bvh = Bvh::build(primitives, 1);
+  const accel::Bvh bvh = accel::Bvh::build(primitives, 1);
   Met met;
   for (const Vec2 at : {Vec2{0.25f, 0.5f}, Vec2{0.1f, 0.3f}, Vec2{0.6f, 0.2f}})
     for (const float z : {0.5f, 1.5f, 2.5f, 3.5f, 5.6f, 7.5f, 8.5f}) {

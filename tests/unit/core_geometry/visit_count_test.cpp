@@ -12,7 +12,7 @@ constexpr int kRays = 20000;
 constexpr double kMargin = 1.03;
 
 // Of rays from around a ball of 82 thousand triangles among scattered ones, half of them at it.
-VisitCounts visits_of_ball() {
+accel::VisitCounts visits_of_ball() {
   test::Random random(5);
   test::Mesh mesh = test::icosphere(6, {0, 0, 0}, 1);
   for (int i = 0; i < 5000; ++i) {
@@ -25,12 +25,12 @@ VisitCounts visits_of_ball() {
     const Vec3 origin = random.in_box(4);
     rays.push_back({origin, i % 2 == 0 ? random.direction() : random.in_box(1) - origin});
   }
-  return Bvh::build(primitives, 2).count_visits(primitives, rays);
+  return accel::Bvh::build(primitives, 2).count_visits(primitives, rays);
 }
 
 TEST(VisitCount, HasNotGrown) {
   constexpr double kNodesOfRay = 8.633, kPacketsOfRay = 4.360;
-  const VisitCounts counts = visits_of_ball();
+  const accel::VisitCounts counts = visits_of_ball();
   EXPECT_LE(static_cast<double>(counts.nodes) / kRays, kMargin * kNodesOfRay);
   EXPECT_LE(static_cast<double>(counts.packets) / kRays, kMargin * kPacketsOfRay);
   EXPECT_GT(counts.nodes, 0u);
@@ -38,7 +38,7 @@ TEST(VisitCount, HasNotGrown) {
 
 TEST(VisitCount, OfNothingIsZero) {
   const Ray ray{{0, 0, 0}, {0, 0, 1}};
-  const VisitCounts counts = Bvh().count_visits(Primitives(), {&ray, 1});
+  const accel::VisitCounts counts = accel::Bvh().count_visits(Primitives(), {&ray, 1});
   EXPECT_EQ(counts.nodes + counts.packets, 0u);
 }
 

@@ -27,7 +27,7 @@ TEST_P(Watertight, RaysFromInsideNeverLeaveAClosedMesh) {
   const auto [radius, center] = GetParam();
   const test::Mesh mesh = test::icosphere(4, center, radius);
   const Primitives primitives = mesh.primitives();
-  const Bvh bvh = Bvh::build(primitives, 1);
+  const accel::Bvh bvh = accel::Bvh::build(primitives, 1);
   test::Random random(8);
   for (int i = 0; i < 250000; ++i) {
     const Ray ray = ray_at_seam(mesh, i % 4 == 0 ? center : center + random.in_box(0.5f * radius), random);
@@ -41,7 +41,7 @@ TEST_P(Watertight, NorDoManyRaysAtOnce) {
   const auto [radius, center] = GetParam();
   const test::Mesh mesh = test::icosphere(4, center, radius);
   const Primitives primitives = mesh.primitives();
-  const Bvh bvh = Bvh::build(primitives, 1);
+  const accel::Bvh bvh = accel::Bvh::build(primitives, 1);
   test::Random random(8);
   std::vector<Ray> rays(4096);
   for (int batch = 0; batch < 64; ++batch) {
@@ -72,7 +72,7 @@ TEST(Watertight, AxisAlignedRaysNeverPassBetweenTheCellsOfAGrid) {
     }
   }
   const Primitives primitives = grid.primitives();
-  const Bvh bvh = Bvh::build(primitives, 1);
+  const accel::Bvh bvh = accel::Bvh::build(primitives, 1);
   for (std::uint32_t y = 0; y <= 2 * kCells; ++y) {
     for (std::uint32_t x = 0; x <= 2 * kCells; ++x) {
       const Vec3 origin{static_cast<float>(x) * 0.5f * 0.1f, static_cast<float>(y) * 0.5f * 0.1f, 1};

@@ -69,7 +69,7 @@ TEST(GltfLights, HaveTheirUnits) {
   const auto& spot = std::get<SpotLightDescription>(scene->lights[2]);
   EXPECT_NEAR(spot.angle_degrees, 57.29578f, 1e-4f);
   EXPECT_EQ(spot.softness, 0.5f);
-  EXPECT_EQ(spot.falloff, SpotFalloff::kSquared);
+  EXPECT_EQ(spot.falloff, lights::SpotFalloff::kSquared);
   EXPECT_EQ(spot.look_at - spot.position, (Vec3{0, 0, -2}));
 }
 

@@ -15,7 +15,7 @@ FilmTile small_image(Result<SceneDescription> description) {
   EXPECT_TRUE(description) << description.error().message;
   const auto scene = Scene::build(std::move(*description), 1);
   EXPECT_TRUE(scene) << scene.error().message;
-  return render(prepare(*scene, scene->settings(), 1), {400, 280, 424, 296}, {0, 4}, 1);
+  return render(integrators::prepare(*scene, scene->settings(), 1), {400, 280, 424, 296}, {0, 4}, 1);
 }
 
 // A textured, half metallic triangle that a node mirrors and turns, seen by a camera in front of it.

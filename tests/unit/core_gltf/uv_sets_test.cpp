@@ -142,7 +142,7 @@ FilmTile rendered(Result<SceneDescription> description) {
   EXPECT_TRUE(description) << description.error().message;
   const auto scene = Scene::build(std::move(*description), 1);
   EXPECT_TRUE(scene) << scene.error().message;
-  return render(prepare(*scene, scene->settings(), 1), {320, 200, 448, 296}, {0, 2}, 1);
+  return render(integrators::prepare(*scene, scene->settings(), 1), {320, 200, 448, 296}, {0, 2}, 1);
 }
 
 // Two triangles that face each other, and a camera.

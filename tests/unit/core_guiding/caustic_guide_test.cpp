@@ -11,7 +11,7 @@
 #include "core/integrators/render.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 const RenderSettings kMis{.integrator = Integrator::kMis};
@@ -24,23 +24,24 @@ SceneDescription matt_room() {
   return room;
 }
 
-float pdf_of(const LightGuide& guide, const LightGuide::GuidanceOf<float>& guidance, Vec3 wi) {
+float pdf_of(const guiding::LightGuide& guide, const guiding::LightGuide::GuidanceOf<float>& guidance,
+             Vec3 wi) {
   return guide.sample_or(guidance, false, {}, wi).pdf;
 }
 
-std::vector<Photon> photons_of(const Scene& scene, int threads) {
-  const LightSampler lights(scene.lights(), LightSampler::Among::kAll, threads);
+std::vector<guiding::Photon> photons_of(const Scene& scene, int threads) {
+  const lights::LightSampler lights(scene.lights(), lights::LightSampler::Among::kAll, threads);
   return trace_caustic_photons(scene, lights, threads);
 }
 
 TEST(CausticGuide, IsTheSameForAnyNumberOfThreads) {
   const Scene a = Scene::build(test::room(), 1).value(), b = Scene::build(test::room(), 1).value();
   const RenderPlan plan_a = prepare(a, kMis, 1), plan_b = prepare(b, kMis, 3);
-  const LightGuide *one = plan_a.guide(), *three = plan_b.guide();
+  const guiding::LightGuide *one = plan_a.guide(), *three = plan_b.guide();
   ASSERT_TRUE(one && three);
   ASSERT_EQ(one->cells().size(), three->cells().size());
   for (std::size_t i = 0; i < one->cells().size(); ++i) {
-    const LightGuide::Cell &p = one->cells()[i], &q = three->cells()[i];
+    const guiding::LightGuide::Cell &p = one->cells()[i], &q = three->cells()[i];
     EXPECT_EQ(p.box, q.box);
     EXPECT_EQ(std::bit_cast<std::uint32_t>(p.share), std::bit_cast<std::uint32_t>(q.share));
     const auto at_p = one->at(p.center, {0, 1, 0}), at_q = three->at(q.center, {0, 1, 0});
@@ -64,7 +65,7 @@ TEST(CausticGuide, OffersNothingWhereThereAreNoCausticsOrItIsNotWanted) {
 TEST(CausticGuide, PointsAtTheGlassFromItsCaustic) {
   const Scene room = Scene::build(test::room(), 1).value();
   const RenderPlan plan = prepare(room, kMis, 1);
-  const LightGuide* guide = plan.guide();
+  const guiding::LightGuide* guide = plan.guide();
   ASSERT_NE(guide, nullptr);
   const Vec3 place{0.545f, 0, 0.243f};
   const auto guidance = guide->at(place, Vec3{0, 1, 0});
@@ -77,7 +78,7 @@ TEST(CausticGuide, PhotonsAreFiniteAndOnMattSurfaces) {
   const Scene room = Scene::build(test::room(), 1).value();
   const auto photons = photons_of(room, 2);
   EXPECT_GT(photons.size(), 1000u);
-  for (const Photon& photon : photons) {
+  for (const guiding::Photon& photon : photons) {
     ASSERT_TRUE(is_finite(photon.position) && is_finite(photon.wi));
     ASSERT_GT(photon.flux, 0);
     ASSERT_GT(photon.distance, 0);
@@ -88,7 +89,7 @@ TEST(CausticGuide, PhotonsAreFiniteAndOnMattSurfaces) {
 
 double flux_of_photons(const SceneDescription& description) {
   double flux = 0;
-  for (const Photon& photon : photons_of(Scene::build(description, 1).value(), 1))
+  for (const guiding::Photon& photon : photons_of(Scene::build(description, 1).value(), 1))
     flux += static_cast<double>(photon.flux);
   return flux;
 }
@@ -142,4 +143,4 @@ TEST(CausticGuide, UnevenlyScaledInstancesCastAsMuchLight) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -10,7 +10,7 @@
 #include "tests/support/chi_square.hpp"
 #include "tests/unit/core_guiding/example_photons.hpp"
 
-namespace tessera::core {
+namespace tessera::core::guiding {
 namespace {
 
 std::vector<DirectedLight> examples(std::uint32_t count) {
@@ -47,7 +47,7 @@ TEST(DirectionTrees, SamplesFollowTheDensity) {
   std::vector<double> observed(kSide * kSide), expected(kSide * kSide);
   const auto cell = [](float c) { return std::min(static_cast<int>(c * kSide), kSide - 1); };
   for (std::uint32_t i = 0; i < kSamples; ++i) {
-    const auto u = Sampler(3, 0, 0, i).pad(0);
+    const auto u = sampling::Sampler(3, 0, 0, i).pad(0);
     const Vec2 at = to_octahedral_square(trees.sample_or<float>(root, true, {u[0], u[1]}, {}).direction);
     ++observed[static_cast<std::size_t>(cell(at.y) * kSide + cell(at.x))];
   }
@@ -69,7 +69,7 @@ TEST(DirectionTrees, SamplesComeWithTheDensityOfTheirDirection) {
     const auto root = trees.add(examples(count)).root;
     int others = 0;
     for (std::uint32_t i = 0; i < 4096; ++i) {
-      const auto u = Sampler(4, 0, 0, i).pad(0);
+      const auto u = sampling::Sampler(4, 0, 0, i).pad(0);
       const auto [direction, pdf] = trees.sample_or<float>(root, true, {u[0], u[1]}, {});
       EXPECT_NEAR(length(direction), 1, 1e-6f);
       if (std::fabs(pdf - pdf_of(trees, root, direction)) > 1e-4f * pdf) ++others;
@@ -81,7 +81,7 @@ TEST(DirectionTrees, SamplesComeWithTheDensityOfTheirDirection) {
 TEST(DirectionTrees, OfNoneAreEven) {
   const DirectionTrees trees;
   for (std::uint32_t i = 0; i < 100; ++i) {
-    const auto u = Sampler(6, 0, 0, i).pad(0);
+    const auto u = sampling::Sampler(6, 0, 0, i).pad(0);
     const auto [direction, pdf] = trees.sample_or<float>(0, true, {u[0], u[1]}, {});
     EXPECT_NEAR(pdf * octahedral_area(direction), 1, 1e-5f);
     EXPECT_LT(length(direction - from_octahedral_square<float>({u[0], u[1]})), 1e-4f);
@@ -93,8 +93,8 @@ TEST(DirectionTrees, HaveSomeDensityEverywhereAndMostWhereExamplesAre) {
   const auto root = trees.add(examples(1000)).root;
   int above = 0;  // where all of the examples are
   for (std::uint32_t i = 0; i < 1000; ++i) {
-    const auto u = Sampler(5, 0, 0, i).pad(0);
-    EXPECT_GT(pdf_of(trees, root, sample_sphere({u[0], u[1]})), 0);
+    const auto u = sampling::Sampler(5, 0, 0, i).pad(0);
+    EXPECT_GT(pdf_of(trees, root, sampling::sample_sphere({u[0], u[1]})), 0);
     if (trees.sample_or<float>(root, true, {u[2], u[3]}, {}).direction.y > 0) ++above;
   }
   EXPECT_GT(above, 900);
@@ -111,4 +111,4 @@ TEST(DirectionTrees, LookLongerForLightThatComesFromFewerDirections) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::guiding

@@ -8,7 +8,7 @@
 #include "core/math/simd_double.hpp"
 #include "tests/unit/core_guiding/example_photons.hpp"
 
-namespace tessera::core {
+namespace tessera::core::guiding {
 namespace {
 
 constexpr Vec3 kUp{0, 1, 0};
@@ -56,7 +56,7 @@ TEST(LightGuide, FindsTheCellsOfAllPhotons) {
 TEST(LightGuide, DensityIntegratesToOneFromEverywhere) {
   const LightGuide guide = guide_of(3000);
   for (std::uint32_t i = 0; i < 4; ++i) {
-    const auto u = Sampler(11, 0, 0, i).pad(0);
+    const auto u = sampling::Sampler(11, 0, 0, i).pad(0);
     const Vec3 place{u[0], 0, u[1]};
     const auto guidance = guide.at(place, kUp);
     ASSERT_GT(guidance.share, 0);
@@ -82,7 +82,7 @@ TEST(LightGuide, SamplesFollowTheDensity) {
   constexpr std::uint32_t kSamples = 1 << 18;
   double octants[8] = {}, all = 0;
   for (std::uint32_t i = 0; i < kSamples; ++i) {
-    const auto u = Sampler(13, 0, 0, i).pad(0);
+    const auto u = sampling::Sampler(13, 0, 0, i).pad(0);
     const auto [wi, pdf] = guide.sample_or(guidance, true, {u[0], u[1]}, kUp);
     EXPECT_NEAR(length(wi), 1, 1e-5f);
     const double share = 1 / static_cast<double>(pdf) / kSamples;
@@ -116,10 +116,11 @@ TEST(LightGuide, AnswersEightPlacesAsItAnswersEach) {
     Vec3Lanes places, normals, wis;
     FloatLanes u_x, u_y;
     for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) {
-      const auto u = Sampler(17, 0, 0, kLaneCount * i + lane).pad(0), v = Sampler(17, 1, 0, i).pad(lane);
+      const auto u = sampling::Sampler(17, 0, 0, kLaneCount * i + lane).pad(0),
+                 v = sampling::Sampler(17, 1, 0, i).pad(lane);
       places.set(lane, {1.2f * u[0] - 0.1f, 0, 1.2f * u[1] - 0.1f});  // some beside the floor
-      normals.set(lane, sample_sphere({u[2], u[3]}));
-      wis.set(lane, sample_sphere({v[0], v[1]}));
+      normals.set(lane, sampling::sample_sphere({u[2], u[3]}));
+      wis.set(lane, sampling::sample_sphere({v[0], v[1]}));
       u_x.set(lane, v[2]), u_y.set(lane, v[3]);
     }
     const auto all = guide.at(places.all(), normals.all());
@@ -139,4 +140,4 @@ TEST(LightGuide, AnswersEightPlacesAsItAnswersEach) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::guiding

@@ -57,7 +57,7 @@ std::vector<std::uint64_t> rendered(SceneDescription description) {
   EXPECT_TRUE(scene) << scene.error().message;
   if (!scene) return {};
   const RenderSettings& settings = scene->settings();
-  return render(prepare(*scene, settings, 1), settings.window(), {0, settings.spp}, 1).sums;
+  return render(integrators::prepare(*scene, settings, 1), settings.window(), {0, settings.spp}, 1).sums;
 }
 
 class TwinScenes : public testing::TestWithParam<TwinScene> {};

@@ -198,7 +198,7 @@ std::vector<Vec3> viewers() {
 }
 
 Numbers random_numbers(int i) {
-  const auto u = Sampler(1, i % 1024, i / 1024, 0).pad(0);
+  const auto u = sampling::Sampler(1, i % 1024, i / 1024, 0).pad(0);
   return {{u[0], u[1]}, u[2]};
 }
 

@@ -19,8 +19,8 @@ struct BsdfCase {
   bool outside = true;
   std::optional<Frame> coat{};  // of its own
 
-  Bsdf bsdf() const {
-    Bsdf made(material, {}, {}, outside);
+  shading::Bsdf bsdf() const {
+    shading::Bsdf made(material, {}, {}, outside);
     if (coat) made.turn_coat(true, *coat, {});
     return made;
   }

@@ -9,12 +9,12 @@
 namespace tessera::core {
 namespace {
 
-Bsdf make(MaterialModel model, bool outside = true) {
-  return Bsdf(test::material_of(std::move(model)), {}, {}, outside);
+shading::Bsdf make(MaterialModel model, bool outside = true) {
+  return shading::Bsdf(test::material_of(std::move(model)), {}, {}, outside);
 }
 
 TEST(GlassBsdf, ChoosesByFresnelAndScalesRadianceByTheSquaredIndex) {
-  const Bsdf bsdf = make(Glass{.ior = 1.5f});
+  const shading::Bsdf bsdf = make(Glass{.ior = 1.5f});
   const Vec3 wo{0, 0, 1};
   const auto reflected = bsdf.sample(wo, {}, 0.039f), refracted = bsdf.sample(wo, {}, 0.041f);
   ASSERT_TRUE(reflected && refracted);
@@ -48,12 +48,12 @@ TEST(GlassBsdf, IsSmoothWhereItsRoughnessIsZero) {
   const TextureImage image{2, 1, std::vector<float>{0, 0, 0, 1, 1, 1}};
   const std::vector<Texture> textures{{.image = std::make_shared<TextureImage>(image)}};
   const Material frosted = test::material_of(Glass{.roughness = {0.5f, 0}});
-  EXPECT_TRUE(Bsdf(frosted, textures, Vec2{0.25f, 0.5f}, true).is_delta());
-  EXPECT_FALSE(Bsdf(frosted, textures, Vec2{0.75f, 0.5f}, true).is_delta());
+  EXPECT_TRUE(shading::Bsdf(frosted, textures, Vec2{0.25f, 0.5f}, true).is_delta());
+  EXPECT_FALSE(shading::Bsdf(frosted, textures, Vec2{0.75f, 0.5f}, true).is_delta());
 }
 
 TEST(GlassBsdf, KeepsItsDirectionsWhenSampledUniformly) {
-  const Bsdf bsdf(test::material_of(Glass{}, Sampling::kUniform), {}, {}, true);
+  const shading::Bsdf bsdf(test::material_of(Glass{}, Sampling::kUniform), {}, {}, true);
   EXPECT_TRUE(bsdf.is_delta());
   EXPECT_TRUE(bsdf.sample({0, 0, 1}, {0.3f, 0.4f}, 0.5f)->transmitted);
 }
@@ -61,7 +61,7 @@ TEST(GlassBsdf, KeepsItsDirectionsWhenSampledUniformly) {
 TEST(GlassBsdf, BranchesAddUpToItsSamples) {
   for (const auto fresnel :
        {DielectricFresnel::kExact, DielectricFresnel::kSchlick, DielectricFresnel::kNone}) {
-    const Bsdf bsdf = make(Glass{.ior = 1.5f, .fresnel = fresnel}, false);
+    const shading::Bsdf bsdf = make(Glass{.ior = 1.5f, .fresnel = fresnel}, false);
     for (const Vec3 wo : test::viewers()) {
       double branches = 0, samples = 0;
       for (const auto& branch : bsdf.delta_branches(wo))

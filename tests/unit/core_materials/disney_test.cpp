@@ -11,8 +11,8 @@
 namespace tessera::core {
 namespace {
 
-Bsdf disney_bsdf(const Disney& model, bool outside = true) {
-  return Bsdf(test::material_of(model), {}, {}, outside);
+shading::Bsdf disney_bsdf(const Disney& model, bool outside = true) {
+  return shading::Bsdf(test::material_of(model), {}, {}, outside);
 }
 
 Vec3 at_angle(double cosine, double azimuth) {
@@ -89,7 +89,7 @@ TEST(DisneyBsdf, MetalIsThatOfConductors) {
   ConductorMaterial mirror;  // reflects everything
   mirror.roughness = 0.6f;
   mirror.microfacets = {MicrofacetDistribution::kGgx, SmithMasking::kSeparable};
-  const Bsdf same(test::material_of(mirror), {}, {}, true);
+  const shading::Bsdf same(test::material_of(mirror), {}, {}, true);
   for (const Vec3 wo : directions())
     for (const Vec3 wi : directions()) {
       const float expected = same.evaluate(wo, wi).value.g;
@@ -105,7 +105,7 @@ TEST(DisneyBsdf, ClearGlassIsRoughGlass) {
   model.sheen = 0.7f;  // which a solid has on its outside only
   Glass glass{.ior = 1.5f, .roughness = 0.6f};
   glass.microfacets = {MicrofacetDistribution::kGgx, SmithMasking::kSeparable};
-  const Bsdf inside(test::material_of(glass), {}, {}, false);
+  const shading::Bsdf inside(test::material_of(glass), {}, {}, false);
   model.clearcoat = 1;
   for (const Vec3 wo : directions())
     for (const Vec3 above : directions())
@@ -167,7 +167,7 @@ TEST(DisneyBsdf, OpaqueSurfacesAreTheSameOnBothSides) {
 TEST(DisneyBsdf, AnisotropyFollowsTheTangent) {
   Disney model;
   model.anisotropic = 0.9f;
-  Bsdf along = disney_bsdf(model), across = disney_bsdf(model);
+  shading::Bsdf along = disney_bsdf(model), across = disney_bsdf(model);
   across.orient({0, 1, 0});
   const Vec3 wi = at_angle(0.8, 0);
   EXPECT_GT(along.evaluate({0, 0, 1}, wi).value.r, 1.1f * across.evaluate({0, 0, 1}, wi).value.r);

@@ -23,10 +23,10 @@ Vec3 viewer(double cos_o) {
 
 // The share of the light from everywhere that reaches wo, largest channel. Refraction's compression of
 // radiance is undone.
-double albedo(const Bsdf& bsdf, Vec3 wo, int samples) {
+double albedo(const shading::Bsdf& bsdf, Vec3 wo, int samples) {
   Rgb sum{};
   for (int i = 0; i < samples; ++i) {
-    const auto u = Sampler(3, 0, 0, static_cast<std::uint32_t>(i)).pad(0);
+    const auto u = sampling::Sampler(3, 0, 0, static_cast<std::uint32_t>(i)).pad(0);
     if (const auto s = bsdf.sample(wo, {u[0], u[1]}, u[2])) sum += s->weight * (s->eta * s->eta);
   }
   return static_cast<double>(max_component(sum)) / samples;
@@ -76,7 +76,7 @@ double hemispherical(const Albedo& albedo_at) {
 TEST(WhiteFurnace, MicrofacetsLoseWhatAnIndependentIntegrationSays) {
   for (const float roughness : {0.1f, 0.3f, 0.5f, 0.7f, 0.9f, 1.0f})
     for (const double cos_o : {1.0, 0.8, 0.5, 0.2, 0.05}) {
-      const Bsdf bsdf(test::material_of(white_metal(roughness)), {}, {}, true);
+      const shading::Bsdf bsdf(test::material_of(white_metal(roughness)), {}, {}, true);
       EXPECT_NEAR(albedo(bsdf, viewer(cos_o), 16384), ggx_albedo(static_cast<double>(roughness), cos_o), 4e-3)
           << roughness << ' ' << cos_o;
     }
@@ -84,7 +84,7 @@ TEST(WhiteFurnace, MicrofacetsLoseWhatAnIndependentIntegrationSays) {
 
 // Head-on and with alpha = 1 the integral is 1 - ln 2.
 TEST(WhiteFurnace, TheRoughestMetalLosesTheLogarithmOfTwo) {
-  const Bsdf bsdf(test::material_of(white_metal(1)), {}, {}, true);
+  const shading::Bsdf bsdf(test::material_of(white_metal(1)), {}, {}, true);
   EXPECT_NEAR(albedo(bsdf, viewer(1), 65536), 1 - std::log(2.0), 1e-3);
 }
 
@@ -108,7 +108,8 @@ TEST(WhiteFurnace, NoSurfaceGains) {
   for (std::size_t m = 0; m < models.size(); ++m)
     for (const bool outside : {true, false})
       for (const double cos_o : {1.0, 0.9, 0.7, 0.5, 0.3, 0.1, 0.02})
-        EXPECT_LE(albedo(Bsdf(test::material_of(models[m]), {}, {}, outside), viewer(cos_o), 8192), 1.003)
+        EXPECT_LE(albedo(shading::Bsdf(test::material_of(models[m]), {}, {}, outside), viewer(cos_o), 8192),
+                  1.003)
             << "model " << m << ", cosine " << cos_o;
 }
 
@@ -117,11 +118,12 @@ TEST(WhiteFurnace, NoSurfaceGainsByTwoTextures) {
   const TextureImage white{1, 1, std::vector<float>{1, 1, 1}};
   const std::vector<Texture> textures{{.image = std::make_shared<TextureImage>(white)}};
   const ColorParameter textured{Rgb::gray(1), 0};
-  const Bsdf phong(test::material_of(Phong{.diffuse = textured, .specular = textured}), textures, {}, true);
+  const shading::Bsdf phong(test::material_of(Phong{.diffuse = textured, .specular = textured}), textures, {},
+                            true);
   EXPECT_LE(albedo(phong, viewer(0.8), 4096), 1.001);
   CookTorrance metal = white_metal(0.3f);
   metal.diffuse = metal.specular = textured;
-  EXPECT_LE(albedo(Bsdf(test::material_of(metal), textures, {}, true), viewer(0.8), 4096), 1.001);
+  EXPECT_LE(albedo(shading::Bsdf(test::material_of(metal), textures, {}, true), viewer(0.8), 4096), 1.001);
 }
 
 // A row of the table of losses in docs/materials.md: roughness, then losses in percent.
@@ -151,7 +153,7 @@ std::vector<Losses> published_losses() {
 
 double glass_loss(double ior, double roughness) {
   const Glass glass{.ior = static_cast<float>(ior), .roughness = static_cast<float>(roughness)};
-  const Bsdf bsdf(test::material_of(glass), {}, {}, true);
+  const shading::Bsdf bsdf(test::material_of(glass), {}, {}, true);
   return 100 * (1 - hemispherical([&](double cos_o) { return albedo(bsdf, viewer(cos_o), 8192); }));
 }
 

@@ -28,7 +28,7 @@ std::vector<HairCase> hair_cases() {
           {0.4f, 0.3f, 0.98f, normalize(Vec3{-0.8f, 0, 0.5f})}};
 }
 
-using HairBsdf = HairBsdfOf<float>;
+using HairBsdf = shading::HairBsdfOf<float>;
 
 HairBsdf bsdf_of(const Hair& model, float across) {
   const MaterialPoint at{{}, Vec2{0.5f, across}, true, Rgb::gray(1)};
@@ -85,7 +85,8 @@ TEST(HairBsdf, SamplesWhatItEvaluates) {
         ASSERT_EQ(sample->transmitted, sample->wi_local.z < 0);
         const auto weight = static_cast<double>(sample->weight.g);
         const double of_even =
-            static_cast<double>(bsdf.evaluate(one.wo, sample_sphere(u), 0).value.g) * 4 * std::numbers::pi;
+            static_cast<double>(bsdf.evaluate(one.wo, sampling::sample_sphere(u), 0).value.g) * 4 *
+            std::numbers::pi;
         sum += weight, sum2 += weight * weight, even += of_even, even2 += of_even * of_even;
       }
       const auto error = [](double s, double s2) {

@@ -20,17 +20,17 @@ Vec3 seen_at(float cos_o) {
 }
 
 // The light from everywhere that reaches wo. Refraction's compression of radiance is undone.
-Rgb received(const Bsdf& bsdf, Vec3 wo, int samples = 2048) {
+Rgb received(const shading::Bsdf& bsdf, Vec3 wo, int samples = 2048) {
   Rgb sum{};
   for (int i = 0; i < samples; ++i) {
-    const auto u = Sampler(3, 0, 0, static_cast<std::uint32_t>(i)).pad(0);
+    const auto u = sampling::Sampler(3, 0, 0, static_cast<std::uint32_t>(i)).pad(0);
     if (const auto s = bsdf.sample(wo, {u[0], u[1]}, u[2])) sum += s->weight * (s->eta * s->eta);
   }
   return sum / static_cast<float>(samples);
 }
 
-Bsdf bsdf_of(const MaterialModel& model, bool outside = true) {
-  return Bsdf(test::material_of(model), {}, {}, outside);
+shading::Bsdf bsdf_of(const MaterialModel& model, bool outside = true) {
+  return shading::Bsdf(test::material_of(model), {}, {}, outside);
 }
 
 Principled white(float roughness) {
@@ -88,7 +88,7 @@ TEST(WhiteFurnace, LeaningCoatsReflectAllLight) {
       Principled model = white(0.4f);
       model.coat_weight = 1;
       model.coat_roughness = roughness;
-      Bsdf bsdf = bsdf_of(model);
+      shading::Bsdf bsdf = bsdf_of(model);
       bsdf.turn_coat(true, test::leaning_frame(), wo);
       EXPECT_NEAR(received(bsdf, wo).g, 1, 5e-3f) << roughness << ' ' << wo.z;
     }
@@ -102,9 +102,9 @@ TEST(Coat, ThatLeansIsReciprocalAlone) {
   model.coat_weight = 1;
   model.coat_roughness = 0.3f;
   const Frame coat = test::leaning_frame();
-  Bsdf bsdf = bsdf_of(model);
+  shading::Bsdf bsdf = bsdf_of(model);
   bsdf.turn_coat(true, coat, {});
-  const Bsdf level = bsdf_of(model);
+  const shading::Bsdf level = bsdf_of(model);
   for (const Vec3 a : {seen_at(0.9f), seen_at(0.7f)})
     for (const Vec3 b : {Vec3{0, 0, 1}, normalize(Vec3{-0.5f, 0.3f, 1})}) {
       const float there = bsdf.evaluate(a, b).value.g / dot(b, coat.normal);
@@ -146,7 +146,7 @@ TEST(ThinDielectric, ReflectsBetweenItsSides) {
   // A lamp's pane: others scatter only what they reflect (interception_at).
   Material lamp = test::material_of(ThinDielectric{});
   lamp.emission.value = Rgb::gray(1);
-  const Bsdf pane(lamp, {}, {}, true);
+  const shading::Bsdf pane(lamp, {}, {}, true);
   const auto branches = pane.delta_branches(seen_at(1));
   ASSERT_TRUE(branches[0] && branches[1]);
   EXPECT_NEAR(branches[0]->weight.g, 0.08f / 1.04f, 1e-6f);
@@ -165,7 +165,7 @@ TEST(Conductor, WithoutRoughnessIsAMirrorOfItsIndices) {
   copper.eta.value = complex_index(Conductor::kCopper).eta;
   copper.k.value = complex_index(Conductor::kCopper).k;
   copper.specular.value = {1, 0.5f, 1};
-  const Bsdf bsdf = bsdf_of(copper);
+  const shading::Bsdf bsdf = bsdf_of(copper);
   EXPECT_TRUE(bsdf.is_delta());
   const Rgb expected = fresnel_conductor(0.5f, copper.eta.value, copper.k.value) * copper.specular.value;
   EXPECT_EQ(bsdf.sample(seen_at(0.5f), {}, 0.3f)->weight, expected);
@@ -177,7 +177,7 @@ TEST(Conductor, IsBrushedAlongItsTangent) {
   ConductorMaterial brushed;
   brushed.roughness = 0.5f;
   brushed.anisotropy = 0.8f;
-  Bsdf along_x = bsdf_of(brushed), along_y = bsdf_of(brushed);
+  shading::Bsdf along_x = bsdf_of(brushed), along_y = bsdf_of(brushed);
   along_y.orient({0, 2, 1});
   const Vec3 wo{0, 0, 1}, x = normalize(Vec3{0.5f, 0, 1}), y = normalize(Vec3{0, 0.5f, 1});
   EXPECT_GT(along_x.evaluate(wo, x).value.g, 2 * along_x.evaluate(wo, y).value.g);
@@ -187,12 +187,12 @@ TEST(Conductor, IsBrushedAlongItsTangent) {
 // Without interference, a film adds the reflections of both its sides.
 TEST(ThinFilm, HasClosedForms) {
   const float top = 0.04f, bottom = fresnel_dielectric(1, 2.0f / 1.5f), base = fresnel_dielectric(1, 2);
-  const Rgb thick = FilmReflectance(Rgb::gray(base), 1, 1.5f, 50)(1);
+  const Rgb thick = shading::FilmReflectance(Rgb::gray(base), 1, 1.5f, 50)(1);
   EXPECT_NEAR(thick.g, top + (1 - top) * (1 - top) * bottom / (1 - top * bottom), 1e-4f);
-  EXPECT_NEAR(FilmReflectance(Rgb::gray(base), 1, 1.5f, 0)(1).g, base, 1e-5f);
-  EXPECT_NEAR(FilmReflectance(Rgb::gray(base), 0, 1.5f, 0.4f)(1).g, base, 1e-5f);
+  EXPECT_NEAR(shading::FilmReflectance(Rgb::gray(base), 1, 1.5f, 0)(1).g, base, 1e-5f);
+  EXPECT_NEAR(shading::FilmReflectance(Rgb::gray(base), 0, 1.5f, 0.4f)(1).g, base, 1e-5f);
   // A quarter of a wave of green light in a film of 1.5: the coating of a lens.
-  const Rgb coated = FilmReflectance(Rgb::gray(base), 1, 1.5f, 0.55f / 4 / 1.5f)(1);
+  const Rgb coated = shading::FilmReflectance(Rgb::gray(base), 1, 1.5f, 0.55f / 4 / 1.5f)(1);
   EXPECT_LT(coated.g, 0.5f * thick.g);
 }
 
@@ -201,7 +201,7 @@ TEST(Closure, MixesDeltaLobesWithOthers) {
   Principled model = white(0.5f);
   model.base_color.value = Rgb::gray(0.5f);
   model.coat_weight = 1;
-  const Bsdf bsdf = bsdf_of(model);
+  const shading::Bsdf bsdf = bsdf_of(model);
   EXPECT_TRUE(bsdf.has_delta());
   EXPECT_FALSE(bsdf.is_delta());
   int delta = 0, rough = 0;
@@ -222,7 +222,7 @@ TEST(Closure, MixesDeltaLobesWithOthers) {
 TEST(Closure, LooksFromTheViewerOnce) {
   for (const auto& [name, model, outside] : white_cases(0.5f)) {
     const Vec3 wo = seen_at(0.6f);
-    Bsdf each_time = bsdf_of(model, outside), once = each_time;
+    shading::Bsdf each_time = bsdf_of(model, outside), once = each_time;
     each_time.scale_diffuse(1.5f);
     once.scale_diffuse(1.5f);
     once.look_from(wo.z);
@@ -242,12 +242,12 @@ TEST(TwoSided, OneSidedSurfacesHaveABlackBack) {
                                      MaterialModel(Mirror{}), MaterialModel(Principled{})}) {
     Material material = test::material_of(model);
     material.two_sided = false;
-    EXPECT_GT(received(Bsdf(material, {}, {}, true), seen_at(0.7f), 64).g, 0);
-    EXPECT_EQ(received(Bsdf(material, {}, {}, false), seen_at(0.7f), 64).g, 0);
+    EXPECT_GT(received(shading::Bsdf(material, {}, {}, true), seen_at(0.7f), 64).g, 0);
+    EXPECT_EQ(received(shading::Bsdf(material, {}, {}, false), seen_at(0.7f), 64).g, 0);
   }
   Material glass = test::material_of(Glass{});
   glass.two_sided = false;
-  EXPECT_GT(received(Bsdf(glass, {}, {}, false), seen_at(0.7f), 64).g, 0);
+  EXPECT_GT(received(shading::Bsdf(glass, {}, {}, false), seen_at(0.7f), 64).g, 0);
 }
 
 // At normal incidence and alpha = 1, GGX that reflects everything loses ln 2.

@@ -62,7 +62,7 @@ float sampled_albedo(MicrofacetKind kind, float alpha, float cos_o) {
   constexpr std::uint32_t kSamples = 16384;
   double sum = 0;
   for (std::uint32_t i = 0; i < kSamples; ++i) {
-    const auto u = Sampler(3, 0, 0, i).pad(0);
+    const auto u = sampling::Sampler(3, 0, 0, i).pad(0);
     const Vec3 h = facets.sample_visible(wo, {u[0], u[1]});
     const Vec3 wi = h * (2 * dot(wo, h)) - wo;
     if (wi.z <= 0) continue;
@@ -95,7 +95,7 @@ TEST(DirectionalAlbedo, OfBeckmannLosesLess) {
 TEST(Plastic, LosesLightUnlessCompensated) {
   const auto value_of = [](bool compensated, float roughness) {
     const Plastic plastic{.diffuse = {Rgb::gray(1)}, .roughness = roughness, .compensated = compensated};
-    const Bsdf bsdf(test::material_of(plastic), {}, {}, true);
+    const shading::Bsdf bsdf(test::material_of(plastic), {}, {}, true);
     return bsdf.evaluate({0, 0, 1}, normalize(Vec3{1, 0, 0.3f})).value.g;
   };
   EXPECT_LT(value_of(false, 1), 0.97f * value_of(true, 1));

@@ -26,7 +26,7 @@ std::vector<test::BsdfCase> reciprocal_cases() {
 class Reciprocity : public testing::TestWithParam<test::BsdfCase> {};
 
 TEST_P(Reciprocity, OfReflection) {
-  const Bsdf bsdf = GetParam().bsdf();
+  const shading::Bsdf bsdf = GetParam().bsdf();
   for (int i = 0; i < 1000; ++i) {
     const Vec3 a = above(2 * i), b = above(2 * i + 1);
     const float there = bsdf.evaluate(a, b).value.g / b.z, back = bsdf.evaluate(b, a).value.g / a.z;
@@ -41,8 +41,8 @@ class TransmissionReciprocity : public testing::TestWithParam<test::BsdfCase> {}
 TEST_P(TransmissionReciprocity, ButForTheSquaredIndex) {
   const Glass& glass = std::get<Glass>(GetParam().material.model);
   const float eta = GetParam().outside ? glass.ior.value : 1 / glass.ior.value;
-  const Bsdf near(GetParam().material, {}, {}, GetParam().outside);
-  const Bsdf far(GetParam().material, {}, {}, !GetParam().outside);
+  const shading::Bsdf near(GetParam().material, {}, {}, GetParam().outside);
+  const shading::Bsdf far(GetParam().material, {}, {}, !GetParam().outside);
   int lit = 0;
   for (int i = 0; i < 1000; ++i) {
     const Vec3 a = above(2 * i), b = above(2 * i + 1);

@@ -36,7 +36,7 @@ Vec3 direction(double row, double column) {
 }
 
 // How many of the samples fall into a cell by the density, from its values at steps * steps places.
-double expected_count(const Bsdf& bsdf, Vec3 wo, int row, int column, int steps) {
+double expected_count(const shading::Bsdf& bsdf, Vec3 wo, int row, int column, int steps) {
   double sum = 0;
   for (int r = 0; r < steps; ++r)
     for (int c = 0; c < steps; ++c) {
@@ -48,7 +48,7 @@ double expected_count(const Bsdf& bsdf, Vec3 wo, int row, int column, int steps)
 
 // The same with as many places as it takes: where two coarse grids differ by more than a small part of the
 // counts' standard deviation, a fine one decides.
-double expected_count(const Bsdf& bsdf, Vec3 wo, int row, int column) {
+double expected_count(const shading::Bsdf& bsdf, Vec3 wo, int row, int column) {
   constexpr int kCoarse = 5, kMedium = 8, kFine = 40;
   constexpr double kDeviations = 0.02;
   const double coarse = expected_count(bsdf, wo, row, column, kCoarse);
@@ -59,7 +59,7 @@ double expected_count(const Bsdf& bsdf, Vec3 wo, int row, int column) {
 }
 
 // Of all cells; the last entry is for no sample at all.
-std::vector<double> expected_counts(const Bsdf& bsdf, Vec3 wo) {
+std::vector<double> expected_counts(const shading::Bsdf& bsdf, Vec3 wo) {
   std::vector<double> counts;
   double sum = 0;
   for (int row = 0; row < kRows; ++row)
@@ -71,7 +71,7 @@ std::vector<double> expected_counts(const Bsdf& bsdf, Vec3 wo) {
   return counts;
 }
 
-std::vector<double> observed_counts(const Bsdf& bsdf, Vec3 wo) {
+std::vector<double> observed_counts(const shading::Bsdf& bsdf, Vec3 wo) {
   std::vector<double> counts(kRows * kColumns + 1);
   for (int i = 0; i < kSamples; ++i) {
     const auto [u, u_lobe] = test::random_numbers(i);
@@ -103,7 +103,7 @@ class BsdfSampling : public testing::TestWithParam<test::BsdfCase> {};
 
 // Pearson's test; cells that expect less than ten are thrown together.
 TEST_P(BsdfSampling, FollowsItsDensity) {
-  const Bsdf bsdf = GetParam().bsdf();
+  const shading::Bsdf bsdf = GetParam().bsdf();
   const std::size_t tests = test::bsdf_cases().size() * test::viewers().size();
   for (const Vec3 wo : test::viewers()) {
     const auto expected = expected_counts(bsdf, wo), observed = observed_counts(bsdf, wo);
@@ -125,7 +125,7 @@ TEST_P(BsdfSampling, FollowsItsDensity) {
 }
 
 TEST_P(BsdfSampling, WeighsSamplesByValueOverDensity) {
-  const Bsdf bsdf = GetParam().bsdf();
+  const shading::Bsdf bsdf = GetParam().bsdf();
   for (const Vec3 wo : test::viewers())
     for (int i = 0; i < 2000; ++i) {
       const auto [u, u_lobe] = test::random_numbers(i);
@@ -146,7 +146,7 @@ TEST_P(BsdfSampling, HasTheMeanOfUniformSampling) {
   test::BsdfCase uniform = GetParam();
   if (uniform.material.sampling == Sampling::kUniform) return;  // the reference
   uniform.material.sampling = Sampling::kUniform;
-  const Bsdf bsdf = GetParam().bsdf(), reference = uniform.bsdf();
+  const shading::Bsdf bsdf = GetParam().bsdf(), reference = uniform.bsdf();
   for (const Vec3 wo : test::viewers()) {
     double sum = 0, sum2 = 0, reference_sum = 0, reference_sum2 = 0;
     for (int i = 0; i < kSamples; ++i) {

@@ -9,7 +9,7 @@
 #include "core/math/elementary.hpp"
 #include "core/sampling/hash.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 constexpr float kRadius = 0.7f, kRotationDegrees = 17;
@@ -70,9 +70,9 @@ TEST_P(PolygonalAperture, IsUniformByTheChiSquareTest) {
   const Aperture aperture(kRadius, GetParam(), kRotationDegrees);
   std::vector<int> counts(kCells * kCells);
   for (std::uint64_t i = 0; i < kSamples; ++i) {
-    const std::uint64_t bits = hash(i, 1);
-    const Vec2 p = aperture.sample(
-        {unit_float(static_cast<std::uint32_t>(bits)), unit_float(static_cast<std::uint32_t>(bits >> 32))});
+    const std::uint64_t bits = sampling::hash(i, 1);
+    const Vec2 p = aperture.sample({sampling::unit_float(static_cast<std::uint32_t>(bits)),
+                                    sampling::unit_float(static_cast<std::uint32_t>(bits >> 32))});
     const int x = cell_of(p.x), y = cell_of(p.y);
     ASSERT_TRUE(x >= 0 && x < kCells && y >= 0 && y < kCells) << p.x << " " << p.y;
     ++counts[static_cast<std::size_t>(y * kCells + x)];
@@ -163,4 +163,4 @@ TEST(Aperture, IsAPinholeWithoutARadius) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

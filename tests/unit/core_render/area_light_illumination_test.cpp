@@ -12,7 +12,7 @@
 #include "tests/support/mean_radiance.hpp"
 #include "tests/unit/core_render/lit_square.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 using test::expect_radiance;
@@ -257,4 +257,4 @@ TEST(TexturedLight, ShinesFromWhereItsTextureIsBright) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

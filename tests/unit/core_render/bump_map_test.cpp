@@ -11,7 +11,7 @@
 #include "tests/support/near.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core::bump_map_test {
+namespace tessera::core::integrators::bump_map_test {
 namespace {
 
 // A ramp that rises from 0 to 1 along u, or along v.
@@ -115,4 +115,4 @@ TEST(BumpMap, KeepsHeightsInInstances) {
 }
 
 }  // namespace
-}  // namespace tessera::core::bump_map_test
+}  // namespace tessera::core::integrators::bump_map_test

@@ -13,7 +13,7 @@
 #include "core/sampling/sampler.hpp"
 #include "tests/support/near.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 constexpr CameraDescription kAhead{.position = {1, 2, 3}, .look_at = {1, 2, -7}, .vertical_fov_degrees = 90};
@@ -50,7 +50,7 @@ TEST(Camera, RaysInLanesAreThoseOfScalars) {
     for (int i = 0; i < 1000; ++i) {
       FloatLanes x, y, u, v;
       for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-        const auto random = Sampler(4, i, static_cast<int>(lane), 0).pad(0);
+        const auto random = sampling::Sampler(4, i, static_cast<int>(lane), 0).pad(0);
         x.set(lane, 200 * random[0]), y.set(lane, 100 * random[1]);
         u.set(lane, random[2]), v.set(lane, random[3]);
       }
@@ -72,7 +72,7 @@ TEST(Camera, KnowsWhereOnTheLensARayComesFrom) {
     const Camera camera(description);
     ASSERT_TRUE(camera.has_lens());
     for (int i = 0; i < 1000; ++i) {
-      const auto u = Sampler(3, i, 0, 0).pad(0);
+      const auto u = sampling::Sampler(3, i, 0, 0).pad(0);
       const Vec2 raster{200 * u[0], 100 * u[1]};
       // Not at the edge, which rounding may put on either side.
       const Ray ray = camera.ray(raster, 200, 100, {0.02f + 0.96f * u[2], 0.02f + 0.96f * u[3]});
@@ -101,7 +101,7 @@ TEST(Camera, KnowsTheDensityOfItsRays) {
     double by_rays = 0;
     int from_lens = 0;
     for (int i = 0; i < kSamples; ++i) {
-      const auto u = Sampler(4, i % 500, i / 500, 0).pad(0);
+      const auto u = sampling::Sampler(4, i % 500, i / 500, 0).pad(0);
       by_rays +=
           1 / static_cast<double>(camera.lens_pdf(camera.ray(kRaster, 200, 100, {u[0], u[1]}).direction));
       const float z = 1 - u[2] * (1 - cone.cosine), r = std::sqrt(1 - z * z), turns = 2 * kPi * u[3];
@@ -235,7 +235,8 @@ TEST(Camera, PanoramicAgreesWithEnvironments) {
   description.type = CameraType::kPanoramic;
   const Camera camera(description);
   for (const Vec2 at : {Vec2{0.1f, 0.3f}, {0.6f, 0.8f}, {0.9f, 0.55f}}) {
-    const Vec2 uv = EquirectangularMap(0).uv_of(camera.ray({at.x * 64, at.y * 32}, 64, 32, {}).direction);
+    const Vec2 uv =
+        lights::EquirectangularMap(0).uv_of(camera.ray({at.x * 64, at.y * 32}, 64, 32, {}).direction);
     EXPECT_NEAR(uv.x, at.x, 1e-5f);
     EXPECT_NEAR(uv.y, 1 - at.y, 1e-5f);
   }
@@ -249,4 +250,4 @@ TEST(Camera, FocusesAtWhatItLooksAtByDefault) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

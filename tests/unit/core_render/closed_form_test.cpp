@@ -12,7 +12,7 @@
 #include "tests/support/mean_radiance.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 using test::expect_radiance;
@@ -119,7 +119,7 @@ Texture rough_map(float slope) {
   std::vector<float> texels;
   const float z = 1 / std::sqrt(1 + slope * slope);
   for (int i = 0; i < kSide * kSide; ++i) {
-    const auto [s, c] = sin_cos_turns(Sampler(1, i, 0, 0).pad(0)[0]);
+    const auto [s, c] = sin_cos_turns(sampling::Sampler(1, i, 0, 0).pad(0)[0]);
     texels.insert(texels.end(), {slope * z * c / 2 + 0.5f, slope * z * s / 2 + 0.5f, z / 2 + 0.5f});
   }
   return {.image = std::make_shared<TextureImage>(TextureImage{kSide, kSide, std::move(texels)})};
@@ -221,4 +221,4 @@ TEST_P(Scale, DoesNotChangeRadiance) {
 INSTANTIATE_TEST_SUITE_P(ClosedForm, Scale, testing::Values(1e-3f, 1e-2f, 10.0f, 1e3f, 1e5f));
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

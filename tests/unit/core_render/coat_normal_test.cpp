@@ -11,7 +11,7 @@
 #include "tests/support/near.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 constexpr float kCoatTilt = 0.3f;
@@ -119,4 +119,4 @@ TEST(WhiteFurnace, ACoatAndAPaneReflectInDirectionsOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -8,7 +8,7 @@
 #include "core/integrators/render.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 FilmTile film_with_threads(const SceneDescription& description, int threads) {
@@ -48,4 +48,4 @@ TEST(CoincidentFaces, ShowTheFirstForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -7,14 +7,14 @@
 #include "tests/support/mean_radiance.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // A bush of bent strands around the origin, also in an instance.
 void add_bush(test::SceneMaker& maker, CurveShape shape, std::uint32_t material) {
   const auto random_direction = [](int i, int k) {
-    const auto u = Sampler(3, i, k, 0).pad(0);
-    return sample_sphere(Vec2{u[0], u[1]});
+    const auto u = sampling::Sampler(3, i, k, 0).pad(0);
+    return sampling::sample_sphere(Vec2{u[0], u[1]});
   };
   CurveStrands strands{CurveBasis::kBSpline, shape, {}, {0.06f}, {}, {}};
   for (int i = 0; i < 40; ++i) {
@@ -68,4 +68,4 @@ TEST(RenderedCurves, HaveOpacity) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

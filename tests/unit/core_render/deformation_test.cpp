@@ -12,7 +12,7 @@
 #include "core/scene/scene.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 using testing::HasSubstr;
@@ -193,7 +193,7 @@ TEST(Deformation, FollowsTheFrames) {
 TEST(Deformation, TakesATreeBuiltBefore) {
   const SceneDescription scene = room_with(waving({-0.6f, 0.5f}, 1), {0, 1}, true);
   const Scene built = Scene::build(scene, 1).value();
-  const Scene again = Scene::build(scene, 1, Bvh::build(built.primitives(), 1)).value();
+  const Scene again = Scene::build(scene, 1, accel::Bvh::build(built.primitives(), 1)).value();
   EXPECT_EQ(film_of(built, {0, 4}).sums, film_of(again, {0, 4}).sums);
 }
 
@@ -225,4 +225,4 @@ TEST(Deformation, OfWhatCannotBeRenderedIsRefused) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

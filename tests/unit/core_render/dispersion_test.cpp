@@ -16,7 +16,7 @@
 #include "tests/support/mean_radiance.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 using test::SceneMaker;
@@ -29,7 +29,7 @@ TEST(Wavelengths, OfWhiteLightHaveTheMeanColorOfWhite) {
   std::array<double, 3> sums{};
   float last = 0;
   for (int i = 0; i < kCount; ++i) {
-    const auto [nm, weight] = sample_wavelength((static_cast<float>(i) + 0.5f) / kCount);
+    const auto [nm, weight] = spectra::sample_wavelength((static_cast<float>(i) + 0.5f) / kCount);
     ASSERT_GE(nm, std::max(last, 360.0f));
     ASSERT_LE(nm, 830);
     last = nm;
@@ -63,10 +63,10 @@ template <typename Value>
 std::array<double, 3> spectral_mean(const Value& value) {
   std::array<double, 3> sums{}, weights{};
   for (double nm = 360.05; nm < 830; nm += 0.1) {
-    const Rgb color = to_linear_rec709(color_matching(nm));
+    const Rgb color = to_linear_rec709(spectra::color_matching(nm));
     const double seen = value(nm);
     for (int c = 0; c < 3; ++c) {
-      const double weight = std::max(0.0, static_cast<double>(color[c])) * d65_power(nm);
+      const double weight = std::max(0.0, static_cast<double>(color[c])) * spectra::d65_power(nm);
       sums[static_cast<std::size_t>(c)] += weight * seen;
       weights[static_cast<std::size_t>(c)] += weight;
     }
@@ -248,4 +248,4 @@ TEST(Dispersion, OfNestedDielectricsIsThatOfTheRatioOfTheIndices) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

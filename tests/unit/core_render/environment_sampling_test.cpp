@@ -16,7 +16,7 @@
 #include "tests/support/chi_square.hpp"
 #include "tests/unit/core_render/sky_image.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 using test::sky_image;
@@ -59,7 +59,7 @@ void EnvironmentSampling::expect_samples_match_density(MisCompensation compensat
   const double rotation = static_cast<double>(surroundings().rotation) * std::numbers::pi / 180;
   std::vector<double> observed(static_cast<std::size_t>(width * height)), expected(observed.size());
   for (int i = 0; i < kSamples; ++i) {
-    const auto u = Sampler(3, i % 1000, i / 1000, 0).pad(0);
+    const auto u = sampling::Sampler(3, i % 1000, i / 1000, 0).pad(0);
     const auto s = environment_.sample(normal_, {u[0], u[1]}, compensation);
     if (!s) continue;
     const double turn = (std::atan2(static_cast<double>(s->wi.x), static_cast<double>(-s->wi.z)) + rotation) /
@@ -100,7 +100,7 @@ TEST_P(EnvironmentSampling, SampleAndPdfAgree) {
   int differing = 0;
   for (int i = 0; i < kSamples; ++i) {
     const auto compensation = i % 2 == 0 ? MisCompensation::kOff : MisCompensation::kOn;
-    const auto u = Sampler(4, i, 0, 0).pad(0);
+    const auto u = sampling::Sampler(4, i, 0, 0).pad(0);
     const auto s = environment_.sample(normal_, {u[0], u[1]}, compensation);
     if (!s) continue;
     const auto pdf = static_cast<double>(s->pdf);
@@ -115,8 +115,8 @@ TEST_P(EnvironmentSampling, SampleAndPdfAgree) {
 
 TEST_P(EnvironmentSampling, DensityIsThereWhereverThereIsLight) {
   for (int i = 0; i < 200000; ++i) {
-    const auto u = Sampler(6, i, 0, 0).pad(0);
-    const Vec3 w = sample_sphere({u[0], u[1]});
+    const auto u = sampling::Sampler(6, i, 0, 0).pad(0);
+    const Vec3 w = sampling::sample_sphere({u[0], u[1]});
     if (is_black(environment_.radiance(w))) continue;
     ASSERT_GT(environment_.pdf(normal_, w), 0);
   }
@@ -128,8 +128,8 @@ TEST_P(EnvironmentSampling, FindsTheLightThatThereIs) {
   constexpr int kSamples = 100000, kRows = 1000, kColumns = 1000;
   double sampled = 0, combined = 0, looked = 0, over_sphere = 0;
   const auto scattered = [&](Vec2 u) {
-    return normal_ == Vec3{} ? sample_sphere(u)
-                             : Frame::around(normal_).to_world(sample_cosine_hemisphere(u));
+    return normal_ == Vec3{} ? sampling::sample_sphere(u)
+                             : Frame::around(normal_).to_world(sampling::sample_cosine_hemisphere(u));
   };
   const auto scattered_pdf = [&](Vec3 wi) {
     return normal_ == Vec3{} ? 1 / (4 * std::numbers::pi) : cosine(wi) / std::numbers::pi;
@@ -139,7 +139,7 @@ TEST_P(EnvironmentSampling, FindsTheLightThatThereIs) {
     return static_cast<double>(environment_.radiance(wi).g) * cosine(wi) / (light_pdf + scattered_pdf(wi));
   };
   for (int i = 0; i < kSamples; ++i) {
-    const auto u = Sampler(7, i % 1000, i / 1000, 0).pad(0);
+    const auto u = sampling::Sampler(7, i % 1000, i / 1000, 0).pad(0);
     if (const auto s = environment_.sample(normal_, {u[0], u[1]}))
       sampled += static_cast<double>(s->radiance.g / s->pdf) * cosine(s->wi) / kSamples;
     if (const auto s = environment_.sample(normal_, {u[0], u[1]}, MisCompensation::kOn);
@@ -211,4 +211,4 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

@@ -16,7 +16,7 @@
 #include "core/sampling/warp.hpp"
 #include "tests/unit/core_render/sky_image.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 using test::sky_image;
@@ -27,7 +27,7 @@ TEST(EnvironmentSampling, OneBrightTexelGetsAllSamples) {
   const Environment environment(
       Rgb::gray(1), sky_image(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1000.0f : 0.0f; }), 0);
   for (int i = 0; i < 1000; ++i) {
-    const auto u = Sampler(8, i, 0, 0).pad(0);
+    const auto u = sampling::Sampler(8, i, 0, 0).pad(0);
     const auto s = environment.sample(Vec3{}, Vec2{u[0], u[1]});
     if (!s) continue;
     const double theta = std::acos(static_cast<double>(s->wi.y));
@@ -44,7 +44,7 @@ TEST(EnvironmentSampling, FindsAFaintSkyBesideASun) {
   constexpr int kSamples = 100000;
   double from_above = 0;
   for (int i = 0; i < kSamples; ++i) {
-    const auto u = Sampler(9, i % 1000, i / 1000, 0).pad(0);
+    const auto u = sampling::Sampler(9, i % 1000, i / 1000, 0).pad(0);
     const auto s = environment.sample(Vec3{}, Vec2{u[0], u[1]});
     if (s && s->wi.y > 0) from_above += static_cast<double>(s->radiance.g / s->pdf) / kSamples;
   }
@@ -65,7 +65,7 @@ TEST(EnvironmentSampling, FindsEveryTexelOfARareCell) {
     std::array<int, 20> found{};
     constexpr int kSamples = 1 << 19;
     for (int i = 0; i < kSamples; ++i) {
-      const auto u = Sampler(13, i % 1000, i / 1000, 0).pad(0);
+      const auto u = sampling::Sampler(13, i % 1000, i / 1000, 0).pad(0);
       const float y = std::floor(u[1] * kOfThePole * 0x1p24f) * 0x1p-24f;
       const auto s = environment.sample(away, Vec2{u[0], upper ? y : 1 - 0x1p-24f - y});
       ASSERT_TRUE(s);
@@ -85,7 +85,7 @@ TEST(EnvironmentSampling, SamplesOfASunCountAlike) {
   const Environment environment(Rgb::gray(1), sky_image(512, 256, sun), 0);
   int fading = 0;
   for (int i = 0; i < 2000; ++i) {
-    const auto u = Sampler(14, i, 0, 0).pad(0);
+    const auto u = sampling::Sampler(14, i, 0, 0).pad(0);
     const auto s = environment.sample(Vec3{}, Vec2{u[0], u[1]});
     ASSERT_TRUE(s);
     if (s->radiance.g < 1e3f) continue;
@@ -103,14 +103,14 @@ TEST(EnvironmentSampling, LooksWhereTheSurfaceFaces) {
   for (const float rotation : {0.0f, 77.0f, -200.0f}) {
     const Environment environment(Rgb::gray(1), sky_image(64, 32, [](int, int) { return 1.0f; }), rotation);
     for (int n = 0; n < 26; ++n) {
-      const Vec3 normal =
-          n < 6 ? Vec3{static_cast<float>(n == 0) - static_cast<float>(n == 1),
-                       static_cast<float>(n == 2) - static_cast<float>(n == 3),
-                       static_cast<float>(n == 4) - static_cast<float>(n == 5)}
-                : sample_sphere({Sampler(11, n, 0, 0).pad(0)[0], Sampler(11, n, 0, 0).pad(0)[1]});
+      const Vec3 normal = n < 6 ? Vec3{static_cast<float>(n == 0) - static_cast<float>(n == 1),
+                                       static_cast<float>(n == 2) - static_cast<float>(n == 3),
+                                       static_cast<float>(n == 4) - static_cast<float>(n == 5)}
+                                : sampling::sample_sphere({sampling::Sampler(11, n, 0, 0).pad(0)[0],
+                                                           sampling::Sampler(11, n, 0, 0).pad(0)[1]});
       int in_front = 0, high = 0;
       for (int i = 0; i < kSamples; ++i) {
-        const auto u = Sampler(10, i % 100, i / 100, 0).pad(0);
+        const auto u = sampling::Sampler(10, i % 100, i / 100, 0).pad(0);
         const auto s = environment.sample(normal, Vec2{u[0], u[1]});
         ASSERT_TRUE(s);
         in_front += dot(s->wi, normal) > 0 ? 1 : 0;
@@ -131,12 +131,12 @@ TEST(EnvironmentSampling, FindsASunJustOverTheHorizon) {
         Rgb::gray(1), sky_image(128, 64, [&](int x, int y) { return x == column && y == 30 ? 1e4f : 1e-3f; }),
         0);
     for (int i = 0; i < 900; ++i) {
-      const auto u = Sampler(12, i, column, 0).pad(0);
+      const auto u = sampling::Sampler(12, i, column, 0).pad(0);
       const double aside = i % 3 == 0 ? 0 : static_cast<double>(u[2]) * 1.9 - 0.95;
       const double longitude = 2 * std::numbers::pi * ((column + 0.5 + aside) / 128 - 0.5);
       const Vec3 sun{static_cast<float>(std::sin(longitude)), 0.07f,
                      static_cast<float>(-std::cos(longitude))};
-      const Vec3 normal = sample_sphere({u[0], u[1]});
+      const Vec3 normal = sampling::sample_sphere({u[0], u[1]});
       const double cosine = static_cast<double>(dot(normalize(sun), normal));
       if (cosine < 0.02) continue;
       const double counts =
@@ -214,8 +214,8 @@ TEST(EnvironmentSampling, LeavesToBsdfSamplesWhatTheyFind) {
   const Environment even_sky(Rgb::gray(1), even, 0), sunny(Rgb::gray(1), sun, 0);
   const Vec3 up{0, 1, 0};
   for (int i = 0; i < 1000; ++i) {
-    const auto u = Sampler(15, i, 0, 0).pad(0);
-    const Vec3 wi = sample_sphere({u[0], u[1]});
+    const auto u = sampling::Sampler(15, i, 0, 0).pad(0);
+    const Vec3 wi = sampling::sample_sphere({u[0], u[1]});
     EXPECT_NEAR(even_sky.pdf(up, wi, MisCompensation::kOn), even_sky.pdf(up, wi, MisCompensation::kOff),
                 1e-3f);
     if (wi.y < 0.35f) {
@@ -258,4 +258,4 @@ TEST(EnvironmentImage, OfBytesIsDecoded) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

@@ -8,7 +8,7 @@
 #include "core/integrators/render.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // A camera before the plane z = 0, one unit of which is one pixel; (0, 0) is the middle of the image.
@@ -144,4 +144,4 @@ TEST_P(CircleOfConfusion, HasItsDiameterOnTheFilm) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

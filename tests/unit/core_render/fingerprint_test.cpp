@@ -5,7 +5,7 @@
 
 #include "core/base/determinism_fingerprint.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // Every build of this revision, whatever its compiler, optimisation, sanitizers or processor, computes these
@@ -16,4 +16,4 @@ TEST(Fingerprint, IsThatOfThisRevision) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -12,7 +12,7 @@
 #include "tests/support/near.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 using testing::HasSubstr;
@@ -191,7 +191,7 @@ TEST(Frames, OfAMovingCameraShareTheWholeTree) {
   room.animation.lights.clear();
   Scene scene = Scene::build(room, 1).value();
   const void* const nodes = scene.bvh().arrays().nodes.data();
-  const Light* const lights = scene.lights().data();
+  const lights::Light* const lights = scene.lights().data();
   ASSERT_TRUE(scene.set_frame(5, 1));
   EXPECT_EQ(scene.bvh().arrays().nodes.data(), nodes);
   EXPECT_EQ(scene.lights().data(), lights);
@@ -249,4 +249,4 @@ TEST(Frames, OfUnsoundAnimationsAreRefusedByTheBuild) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -11,7 +11,7 @@
 #include "tests/support/mean_radiance.hpp"
 #include "tests/unit/core_render/lit_square.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 using test::expect_radiance;
@@ -102,7 +102,7 @@ std::shared_ptr<const TextureImage> surroundings() {
 }
 
 // Irradiance of a surface that faces up, by the midpoint rule.
-double irradiance_of(const Environment& environment) {
+double irradiance_of(const lights::Environment& environment) {
   constexpr int kRows = 500, kColumns = 1000;
   double sum = 0;
   for (int i = 0; i < kRows; ++i) {
@@ -122,7 +122,7 @@ TEST(EnvironmentImage, LightsAsItsIntegralSays) {
     test::SceneMaker maker = lit_square();
     maker.description().textures = {{.image = surroundings()}};
     maker.description().environment = {{Rgb::gray(2), 0}, rotation};
-    const double irradiance = irradiance_of(Environment(Rgb::gray(2), surroundings(), rotation));
+    const double irradiance = irradiance_of(lights::Environment(Rgb::gray(2), surroundings(), rotation));
     expect_radiance(maker.build(), reflected(irradiance));
   }
 }
@@ -132,15 +132,16 @@ TEST(EnvironmentImage, LightsAsItsIntegralSaysInEveryOrientation) {
   test::SceneMaker maker = lit_square();
   maker.description().textures = {{.image = surroundings()}};
   maker.description().environment = {{Rgb::gray(2), 0}, 30, turned};
-  const double irradiance = irradiance_of(Environment(Rgb::gray(2), surroundings(), 30, turned));
+  const double irradiance = irradiance_of(lights::Environment(Rgb::gray(2), surroundings(), 30, turned));
   expect_radiance(maker.build(), reflected(irradiance), 1000);
 }
 
 TEST(EnvironmentImage, IsTurnedByItsOrientation) {
   const auto image = surroundings();
-  const Environment plain(Rgb::gray(1), image, 40), level(Rgb::gray(1), image, 0, rotation({0, 1, 0}, 40));
+  const lights::Environment plain(Rgb::gray(1), image, 40),
+      level(Rgb::gray(1), image, 0, rotation({0, 1, 0}, 40));
   const Transform turn = rotation({1, -2, 3}, 100);
-  const Environment turned(Rgb::gray(1), image, 40, turn);
+  const lights::Environment turned(Rgb::gray(1), image, 40, turn);
   for (const Vec3 d : {Vec3{1, 0.2f, 0.3f}, {-0.5f, 1, 0.1f}, {0.2f, -0.4f, -1}}) {
     EXPECT_NEAR(level.radiance(d).r, plain.radiance(d).r, 1e-3f);
     EXPECT_NEAR(turned.radiance(turn.direction(d)).r, plain.radiance(d).r, 1e-3f);
@@ -169,7 +170,7 @@ TEST(EnvironmentImage, TurnsCounterClockwiseSeenFromAbove) {
   TextureImage image{4, 1,
                      std::vector<float>{1, 0, 0, 8, 0, 0, 1, 0, 0, 1, 0, 0}};  // bright between -x and -z
   const auto toward = [&](Vec3 d, float rotation) {
-    return Environment(Rgb::gray(1), std::make_shared<TextureImage>(image), rotation).radiance(d).r;
+    return lights::Environment(Rgb::gray(1), std::make_shared<TextureImage>(image), rotation).radiance(d).r;
   };
   const float s = std::sqrt(0.5f);
   EXPECT_NEAR(toward({-s, 0, -s}, 0), 8, 1e-4);
@@ -181,4 +182,4 @@ TEST(EnvironmentImage, TurnsCounterClockwiseSeenFromAbove) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

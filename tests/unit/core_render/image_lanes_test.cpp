@@ -9,7 +9,7 @@
 #include "core/sampling/warp.hpp"
 #include "tests/unit/core_render/vertex_lanes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // An image of each format that images are kept in.
@@ -68,17 +68,17 @@ TEST_F(VertexLanes, OfSurroundings) {
   auto images = images_of_every_format();
   images.push_back(nullptr);
   for (const auto& image : images) {
-    const Environment environment({0.5f, 1, 2}, image, 40);
+    const lights::Environment environment({0.5f, 1, 2}, image, 40);
     for (int i = 0; i < 2000; ++i) {
       FloatLanes u_x, u_y;
       Vec3Lanes directions, normals;
       for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
         u_x.set(lane, random()), u_y.set(lane, random());
         directions.set(lane, {random() - 0.5f, random() < 0.1f ? 0 : random() - 0.5f, random() - 0.5f});
-        normals.set(lane, random() < 0.2f ? Vec3{} : sample_sphere({random(), random()}));
+        normals.set(lane, random() < 0.2f ? Vec3{} : sampling::sample_sphere({random(), random()}));
       }
-      const auto compensation = i % 2 == 0 ? MisCompensation::kOff : MisCompensation::kOn;
-      const LightSamples samples =
+      const auto compensation = i % 2 == 0 ? lights::MisCompensation::kOff : lights::MisCompensation::kOn;
+      const lights::LightSamples samples =
           environment.sample(normals.all(), Vec2Of<FloatN>{u_x.all(), u_y.all()}, compensation);
       const auto [radiance, pdf] = environment.see(normals.all(), directions.all(), compensation);
       for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
@@ -96,4 +96,4 @@ TEST_F(VertexLanes, OfSurroundings) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

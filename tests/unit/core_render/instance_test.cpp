@@ -7,7 +7,7 @@
 #include "core/scene/validation.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 using testing::HasSubstr;
@@ -55,13 +55,13 @@ TEST(InstanceRender, FindsTheLightsOfEveryInstance) {
   EXPECT_EQ(scene.light_of({.primitive = 0}), 0u) << "the scene's own come first";
   for (const std::uint32_t instance : {0u, 1u}) {
     const std::uint32_t first = 1 + kLights * instance;
-    EXPECT_EQ(light_of(0, instance), kNoLight);
+    EXPECT_EQ(light_of(0, instance), lights::kNoLight);
     EXPECT_EQ(light_of(10, instance), first);
     EXPECT_EQ(light_of(11, instance), first);
     EXPECT_EQ(light_of(14, instance), first + 1);
-    EXPECT_EQ(light_of(12, instance), kNoLight);
+    EXPECT_EQ(light_of(12, instance), lights::kNoLight);
   }
-  EXPECT_EQ(light_of(10, 2), kNoLight);
+  EXPECT_EQ(light_of(10, 2), lights::kNoLight);
   EXPECT_EQ(light_of(0, 3), 1 + 2 * kLights);
   EXPECT_EQ(light_of(14, 3), scene.lights().size() - 1);
 }
@@ -101,4 +101,4 @@ TEST(InstanceRender, RefusesWhatCannotBeShown) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -9,7 +9,7 @@
 
 #include "tests/unit/core_render/vertex_lanes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 MeshDescription as_mesh(const QuadDescription& quad) {
@@ -129,4 +129,4 @@ TEST_F(InstancedLanes, OfTheKernelsOfFrequentMaterials) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

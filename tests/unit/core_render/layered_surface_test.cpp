@@ -7,7 +7,7 @@
 #include "tests/support/mean_radiance.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // A ball that fills the view, under an even sky of radiance 1.
@@ -97,4 +97,4 @@ TEST(LayeredSurface, RefusesBlendsOfWhatDoesNotStandBefore) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

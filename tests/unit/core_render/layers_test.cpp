@@ -14,7 +14,7 @@
 #include "core/integrators/render.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // The values of an image with layers, by the names of its channels.
@@ -366,4 +366,4 @@ TEST(LightGroups, OfTheSceneAreNamedInItsSettings) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -18,7 +18,7 @@
 #include "tests/support/mean_radiance.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 constexpr float kFocusDistance = 5, kLensRadius = 0.3f;
@@ -352,4 +352,4 @@ TEST(LensLights, LeaveALampInFocusToTheLens) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

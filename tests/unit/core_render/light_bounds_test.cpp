@@ -8,7 +8,7 @@
 
 #include "tests/support/scattered_lights.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 LightBounds facing(const NormalCone& normals, bool two_sided = false) {
@@ -100,4 +100,4 @@ TEST(LightBounds, MeasureTheFalloffOverAllDirections) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

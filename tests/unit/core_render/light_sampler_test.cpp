@@ -15,7 +15,7 @@
 #include "tests/support/chi_square.hpp"
 #include "tests/support/scattered_lights.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 using Among = LightSampler::Among;
@@ -209,4 +209,4 @@ TEST(LightSampler, AlwaysChoosesTheOnlyLight) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

@@ -15,7 +15,7 @@
 #include "tests/support/chi_square.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 struct LightCase {
@@ -62,7 +62,7 @@ TEST_P(LightSampling, AgreesWithLookingAround) {
   const Vec3 p = GetParam().p_lit, axis = normalize({0.3f, 0.5f, 0.2f});
   double sampled = 0, looked = 0, pdf_integral = 0;
   for (int i = 0; i < kSamples; ++i) {
-    const auto u = Sampler(5, i % 1000, i / 1000, 0).pad(0);
+    const auto u = sampling::Sampler(5, i % 1000, i / 1000, 0).pad(0);
     const auto choice = sampler_.sample({p}, static_cast<double>(u[2]));
     if (choice.light == kNoLight) continue;
     const AreaLight& light = area_light(choice.light);
@@ -72,7 +72,7 @@ TEST_P(LightSampling, AgreesWithLookingAround) {
       sampled +=
           static_cast<double>(s->radiance.r * std::fabs(dot(s->wi, axis)) / (s->pdf * choice.pmf)) / kSamples;
     }
-    const Vec3 wi = sample_sphere({u[0], u[3]});
+    const Vec3 wi = sampling::sample_sphere({u[0], u[3]});
     const double density = pdf(wi);
     if (density == 0) continue;
     looked += static_cast<double>(std::fabs(dot(wi, axis))) * 4 * std::numbers::pi / kSamples;
@@ -90,7 +90,7 @@ TEST_P(LightSampling, SamplesMatchTheDensity) {
   const double cap = 1 - std::cos(GetParam().cap_degrees * std::numbers::pi / 180);
   std::vector<double> observed(kRows * kColumns), expected(kRows * kColumns);
   for (int i = 0; i < kSamples; ++i) {
-    const auto u = Sampler(9, i % 1000, i / 1000, 0).pad(0);
+    const auto u = sampling::Sampler(9, i % 1000, i / 1000, 0).pad(0);
     const auto choice = sampler_.sample({p}, static_cast<double>(u[2]));
     const auto s = sample_light(scene_.lights()[choice.light], {}, {p, {}}, {u[0], u[1]});
     ASSERT_TRUE(s);
@@ -179,7 +179,7 @@ TEST(AreaLight, SphereOnARayIsMetOnItsNearSide) {
   const Vec3 p_lit{0.3f, 0.1f, 0.2f};
   for (const Vec3 forward : {Vec3{0, 0, -1}, {0, 0, 1}}) {
     for (int i = 0; i < 100; ++i) {
-      const auto u = Sampler(6, i, 0, 0).pad(0);
+      const auto u = sampling::Sampler(6, i, 0, 0).pad(0);
       const auto sample = light.sample_along({}, p_lit, forward, {u[0], u[1]});
       ASSERT_TRUE(sample);
       EXPECT_GT(dot(sample->wi, forward), 0);
@@ -371,4 +371,4 @@ TEST(SpotLight, HasASharpEdgeWithoutSoftnessAndFallsOffSmoothlyWithIt) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

@@ -8,7 +8,7 @@
 
 #include "tests/support/scattered_lights.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 // Whether anything at all arrives at the point, by more than rounding.
@@ -125,4 +125,4 @@ TEST(LightTree, IsBuiltOverLightsAnywhere) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

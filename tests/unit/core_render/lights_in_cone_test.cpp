@@ -9,7 +9,7 @@
 
 #include "tests/support/scattered_lights.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 // Balls strewn over a cube.
@@ -131,4 +131,4 @@ TEST(LightsInCone, AreTheSameAgain) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

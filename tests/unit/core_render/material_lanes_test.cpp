@@ -4,7 +4,7 @@
 
 #include "tests/unit/core_render/vertex_lanes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // The same scene with layered and brushed surfaces, and a blend in place of its last material.
@@ -170,4 +170,4 @@ TEST_F(UniformRareLanes, OfAllMaterialsAndShapes) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

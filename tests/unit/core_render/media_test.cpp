@@ -17,7 +17,7 @@
 #include "tests/support/mean_radiance.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 using test::mean_radiance;
@@ -57,7 +57,8 @@ template <typename Estimate>
 Rgb mean_over_heroes(int samples, const Estimate& estimate) {
   Rgb sum;
   for (int i = 0; i < samples; ++i) {
-    NumberStream numbers = Sampler(1, 0, i % 3, static_cast<std::uint32_t>(i / 3)).stream(7, medium_pad(3));
+    sampling::NumberStream numbers =
+        sampling::Sampler(1, 0, i % 3, static_cast<std::uint32_t>(i / 3)).stream(7, sampling::medium_pad(3));
     sum += estimate(i % 3, numbers);
   }
   return sum / static_cast<float>(samples);
@@ -76,7 +77,7 @@ TEST(Tracking, RatioTrackingHasTheExpectationOfTheTransmittance) {
   const Medium medium =
       medium_of(filled_by_grid({.sigma_a = {0.1f, 0.3f, 0.2f}, .sigma_s = {0.4f, 0.1f, 1.2f}}, kPlace));
   ASSERT_FALSE(medium.is_homogeneous());
-  const Rgb mean_estimate = mean_over_heroes(30000, [&](int hero, NumberStream& numbers) {
+  const Rgb mean_estimate = mean_over_heroes(30000, [&](int hero, sampling::NumberStream& numbers) {
     SpectralWeights weights;
     estimate_transmittance(medium, kOblique, 1, hero, numbers, weights);
     return weights.throughput / mean(weights.light);
@@ -95,7 +96,7 @@ TEST(Tracking, OfAGridOfOnesEqualsAHomogeneousMedium) {
   const Medium gridded(description, std::make_shared<const std::vector<VoxelGrid>>(1, ones));
   const Ray ray{{0.5f, 0.5f, 0}, {0, 0, 2}};
   for (const Medium* medium : {&homogeneous, &gridded}) {
-    const Rgb passing = mean_over_heroes(30000, [&](int hero, NumberStream& numbers) {
+    const Rgb passing = mean_over_heroes(30000, [&](int hero, sampling::NumberStream& numbers) {
       SpectralWeights weights;
       const Collision collision = sample_collision(*medium, ray, 0.5f, hero, numbers, weights);
       return collision.t ? Rgb{} : weights.throughput / mean(weights.unidirectional);
@@ -109,7 +110,7 @@ TEST(Tracking, ScattersInProportionToSigmaS) {
   const Rgb sigma_a{0.4f, 0.1f, 0}, sigma_s{0.2f, 1, 3};
   const Medium medium(MediumDescription{.sigma_a = sigma_a, .sigma_s = sigma_s}, nullptr);
   const Ray ray{{0, 0, 0}, {0, 0, 1}};
-  const Rgb scattered = mean_over_heroes(60000, [&](int hero, NumberStream& numbers) {
+  const Rgb scattered = mean_over_heroes(60000, [&](int hero, sampling::NumberStream& numbers) {
     SpectralWeights weights;
     const Collision collision = sample_collision(medium, ray, 1.5f, hero, numbers, weights);
     return collision.t ? weights.throughput / mean(weights.unidirectional) : Rgb{};
@@ -126,7 +127,7 @@ TEST(Tracking, EndsInGridsOfEnormousDifferences) {
                       std::make_shared<const std::vector<VoxelGrid>>(1, spike));
   const Ray ray{{0.75f, 0.75f, 0}, {0, 0, 1}};
   SpectralWeights weights, shadow;
-  NumberStream numbers = Sampler(0, 0, 0, 0).stream(0, 0);
+  sampling::NumberStream numbers = sampling::Sampler(0, 0, 0, 0).stream(0, 0);
   EXPECT_FALSE(sample_collision(medium, ray, 1, 0, numbers, weights).t);
   EXPECT_EQ(weights.throughput, Rgb{});
   estimate_transmittance(medium, ray, 1, 0, numbers, shadow);
@@ -249,7 +250,7 @@ TEST(Media, ASlabTransmitsByBeersLaw) {
   EXPECT_TRUE(scene.has_media());
   RenderCounters counters;
   const Ray ray{{0, 0, 5}, {0, 0, -1}};
-  expect_near(trace_volume_path(prepare(scene, {}, 1), Sampler(0, 0, 0, 0), ray, counters),
+  expect_near(trace_volume_path(prepare(scene, {}, 1), sampling::Sampler(0, 0, 0, 0), ray, counters),
               beam_transmittance({0.1f, 0.35f, 1.5f}, 2), 1e-5f);
 }
 
@@ -365,4 +366,4 @@ TEST(Media, RefuseWhatCannotBeComputed) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

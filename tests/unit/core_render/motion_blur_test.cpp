@@ -11,7 +11,7 @@
 #include "core/scene/scene.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 using testing::HasSubstr;
@@ -329,4 +329,4 @@ TEST(MotionBlur, OfWhatCannotBeRenderedIsRefused) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -12,7 +12,7 @@
 #include "tests/support/mean_radiance.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core::nested_dielectrics_test {
+namespace tessera::core::integrators::nested_dielectrics_test {
 namespace {
 
 using test::expect_radiance;
@@ -238,4 +238,4 @@ TEST(NestedDielectrics, RefuseWhatCannotBeComputed) {
 }
 
 }  // namespace
-}  // namespace tessera::core::nested_dielectrics_test
+}  // namespace tessera::core::integrators::nested_dielectrics_test

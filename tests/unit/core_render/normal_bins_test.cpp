@@ -6,7 +6,7 @@
 #include "core/math/lane_array.hpp"
 #include "core/math/simd_double.hpp"
 
-namespace tessera::core {
+namespace tessera::core::lights {
 namespace {
 
 TEST(Facing, IsThatOfItsNormals) {
@@ -31,4 +31,4 @@ TEST(Facing, OfEightIsThatOfEach) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::lights

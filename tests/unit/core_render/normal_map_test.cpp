@@ -8,7 +8,7 @@
 #include "tests/support/near.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 constexpr float kLean = 0.4f;
@@ -138,4 +138,4 @@ TEST(NormalMap, BendsInterpolatedNormals) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

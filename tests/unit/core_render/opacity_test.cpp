@@ -13,7 +13,7 @@
 #include "tests/support/mean_radiance.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core::opacity_test {
+namespace tessera::core::integrators::opacity_test {
 namespace {
 
 using test::expect_radiance;
@@ -418,4 +418,4 @@ TEST(Opacity, LeavesSamplesPureFunctions) {
 }
 
 }  // namespace
-}  // namespace tessera::core::opacity_test
+}  // namespace tessera::core::integrators::opacity_test

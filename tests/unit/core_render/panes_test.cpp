@@ -14,7 +14,7 @@
 #include "tests/support/mean_radiance.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // A sky whose upper half has a bright spot of four texels.
@@ -140,4 +140,4 @@ TEST(Panes, AreParallelSurfacesOfPlainGlassBeforeTheEnvironment) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -12,13 +12,13 @@
 #include "core/integrators/path.hpp"
 #include "tests/support/effort.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // A path by its camera ray and its random numbers.
 struct Start {
   Ray ray;
-  Sampler sampler;
+  sampling::Sampler sampler;
 };
 
 class PathBatch : public testing::TestWithParam<Integrator> {
@@ -31,13 +31,13 @@ class PathBatch : public testing::TestWithParam<Integrator> {
         for (std::uint32_t s = 0; s < 8; ++s)
           starts_.push_back({scene_.camera().ray({static_cast<float>(x), static_cast<float>(y)},
                                                  settings_.width_px, settings_.height_px, {0.3f, 0.6f}),
-                             Sampler(settings_.seed, x, y, s)});
+                             sampling::Sampler(settings_.seed, x, y, s)});
   }
 
   // The radiance of starts_[order[i]], with up to `size` paths under way at once.
   std::vector<Rgb> trace(const std::vector<std::size_t>& order, std::size_t size) {
     std::vector<Rgb> found(size), radiance(order.size());
-    std::vector<Sampler> samplers(size, Sampler(0, 0, 0, 0));
+    std::vector<sampling::Sampler> samplers(size, sampling::Sampler(0, 0, 0, 0));
     const RenderPlan plan = plans_.get(settings_, 1);
     const auto tracer = std::make_unique<PathTracer>(plan, samplers, found);
     std::vector<std::size_t> serves(size);  // which of the order each path does
@@ -143,4 +143,4 @@ INSTANTIATE_TEST_SUITE_P(Strategies, PathBatch,
                          testing::Values(Integrator::kNaive, Integrator::kNee, Integrator::kMis));
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

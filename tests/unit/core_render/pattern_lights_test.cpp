@@ -8,7 +8,7 @@
 #include "tests/support/mean_radiance.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 // A lamp over a floor. The cell of the pattern at the origin of both spaces is black.
@@ -52,4 +52,4 @@ TEST(PatternLights, ThatAreBlackAtPositiveCoordinatesShine) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -6,7 +6,7 @@
 #include "core/integrators/render.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 constexpr PixelRect kPlanWindow{8, 8, 24, 16};
@@ -84,4 +84,4 @@ TEST(RenderPlan, LastsForAllFramesOfAStillScene) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -9,7 +9,7 @@
 
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 class Render : public testing::Test {
@@ -137,4 +137,4 @@ TEST(ClampIndirect, LimitsIndirectLightOfEachSample) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

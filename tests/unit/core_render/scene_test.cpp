@@ -11,7 +11,7 @@
 #include "core/scene/validation.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 std::string error_of(const SceneDescription& description) {
@@ -40,7 +40,7 @@ TEST(Scene, FindsEveryLightAndItsPrimitives) {
   EXPECT_EQ(scene.light_of({.primitive = 10}), 0u);
   EXPECT_EQ(scene.light_of({.primitive = 11}), 0u) << "both triangles of a quad are one light";
   EXPECT_EQ(scene.light_of({.primitive = 14}), 1u) << "spheres come last";
-  EXPECT_EQ(scene.light_of({.primitive = 0}), kNoLight);
+  EXPECT_EQ(scene.light_of({.primitive = 0}), lights::kNoLight);
 }
 
 TEST(Scene, TrianglesWithoutAreaAreNoLights) {
@@ -85,12 +85,12 @@ TEST(Scene, PutsLightsInOrderAndKnowsWhichNoRayMeets) {
   description.environment = {{Rgb::gray(1)}};
   const Scene scene = Scene::build(description, 1).value();
   ASSERT_EQ(scene.lights().size(), 5u);
-  EXPECT_TRUE(std::holds_alternative<AreaLight>(scene.lights()[1]));
-  EXPECT_TRUE(std::holds_alternative<PointLight>(scene.lights()[2]));
-  EXPECT_TRUE(std::holds_alternative<DirectionalLight>(scene.lights()[3]));
+  EXPECT_TRUE(std::holds_alternative<lights::AreaLight>(scene.lights()[1]));
+  EXPECT_TRUE(std::holds_alternative<lights::PointLight>(scene.lights()[2]));
+  EXPECT_TRUE(std::holds_alternative<lights::DirectionalLight>(scene.lights()[3]));
   EXPECT_EQ(scene.environment_light(), 4u);
-  const LightSampleContext point{{0, 0.5f, 0}, {}};
-  const LightSampler sampler(scene.lights(), LightSampler::Among::kDelta, 1);
+  const lights::LightSampleContext point{{0, 0.5f, 0}, {}};
+  const lights::LightSampler sampler(scene.lights(), lights::LightSampler::Among::kDelta, 1);
   for (const std::uint32_t light : {0u, 1u, 4u}) EXPECT_EQ(sampler.pmf(point, light), 0);
   EXPECT_NEAR(sampler.pmf(point, 2) + sampler.pmf(point, 3), 1, 1e-6);
 }
@@ -105,8 +105,8 @@ TEST(Scene, WeighsTexturedLampsByTheirMean) {
   for (const auto material : {screen, lamp})
     maker.add(QuadDescription{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, material});
   const Scene scene = maker.build();
-  const LightSampleContext point{{0.3f, 0.4f, 1}, {}};
-  const LightSampler sampler(scene.lights(), LightSampler::Among::kAll, 1);
+  const lights::LightSampleContext point{{0.3f, 0.4f, 1}, {}};
+  const lights::LightSampler sampler(scene.lights(), lights::LightSampler::Among::kAll, 1);
   EXPECT_NEAR(sampler.pmf(point, 0), sampler.pmf(point, 1), 1e-6);
 }
 
@@ -219,4 +219,4 @@ TEST(RenderSettings, KeepTheScenesWindowUnlessThereIsAnother) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

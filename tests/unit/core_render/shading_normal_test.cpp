@@ -12,7 +12,7 @@
 #include "core/sampling/sampler.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 constexpr Vec3 kToTheSide{0, 0, 1};
@@ -108,7 +108,7 @@ TEST_P(LeaningNormals, KeepSamplesValuesAndDensitiesInStep) {
   const Scene scene = leaning_triangle(GetParam());
   int lit = 0, all = 0;
   for (int i = 0; i < 4000; ++i) {
-    const auto u = Sampler(7, i, 0, 0).pad(0), v = Sampler(7, i, 1, 0).pad(0);
+    const auto u = sampling::Sampler(7, i, 0, 0).pad(0), v = sampling::Sampler(7, i, 1, 0).pad(0);
     const Vec3 p{-0.9f + 1.5f * v[0], -0.9f + 1.5f * v[1], 0};
     const float phi = 2 * kPi * v[2], z = 2 * v[3] - 1;
     const Vec3 from = Vec3{std::sqrt(1 - z * z) * std::cos(phi), std::sqrt(1 - z * z) * std::sin(phi), z} * 3;
@@ -134,7 +134,7 @@ TEST_P(LeaningNormals, KeepSamplesValuesAndDensitiesInStep) {
 TEST_P(LeaningNormals, KeepTheEnergy) {
   const std::vector<Vec3> directions = all_around();
   const Scene scene = leaning_triangle(GetParam());
-  const Bsdf flat(scene.materials()[0], scene.textures(), {}, true);
+  const shading::Bsdf flat(scene.materials()[0], scene.textures(), {}, true);
   for (const Vec3 from : {Vec3{0, 0, 1}, {0.8f, 0, 0.6f}, {-0.8f, 0, 0.6f}, {0, 0.95f, 0.3f}}) {
     const Ray ray{Vec3{-0.5f, -0.6f, 0} + from, -from};
     const PathVertex vertex(scene, ray, scene.bvh().closest_hit(scene.primitives(), ray));
@@ -170,11 +170,11 @@ TEST(PlainNormals, LoseTheLightFromBelowTheSurface) {
   double sum = 0;
   constexpr int kSamples = 20000;
   for (int i = 0; i < kSamples; ++i) {
-    const auto u = Sampler(7, i, 0, 0).pad(0);
+    const auto u = sampling::Sampler(7, i, 0, 0).pad(0);
     if (const auto sample = vertex.sample({u[0], u[1]}, u[2])) sum += static_cast<double>(sample->weight.g);
   }
   EXPECT_NEAR(sum / kSamples, expected, 5e-3);
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -12,7 +12,7 @@
 #include "core/integrators/render.hpp"
 #include "core/scene/loader/loader.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 const std::filesystem::path kSharedCases = TESSERA_SOURCE_DIR "/../shared/cases";
@@ -87,4 +87,4 @@ TEST_F(SharedCaseImages, CutoutsAreCardsWhateverIllum) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -12,7 +12,7 @@
 #include "core/integrators/vertex.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 constexpr float kFromU = 1.0f / 12;  // 30 degrees, in turns
@@ -161,4 +161,4 @@ TEST(Tangent, OfTheCoatIsItsOwn) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

@@ -9,7 +9,7 @@
 #include "tests/support/near.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core::vertex_color_test {
+namespace tessera::core::integrators::vertex_color_test {
 namespace {
 
 MeshDescription square(const std::vector<Rgb>& colors, std::uint32_t material) {
@@ -112,4 +112,4 @@ TEST(VertexColors, MustBeAsManyAsVerticesAndSharesOfLight) {
 }
 
 }  // namespace
-}  // namespace tessera::core::vertex_color_test
+}  // namespace tessera::core::integrators::vertex_color_test

@@ -15,7 +15,7 @@
 #include "core/integrators/shading_bins.hpp"
 #include "core/integrators/vertex_batch.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 
 class VertexLanes : public testing::Test {
  protected:
@@ -139,13 +139,13 @@ class VertexLanes : public testing::Test {
 
   template <typename Vertices>
   void compare_lights(const std::vector<PathVertex>& alone, const Vertices& together) {
-    std::array<const Light*, kLaneCount> lights;
+    std::array<const lights::Light*, kLaneCount> lights;
     FloatLanes u_x, u_y;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       lights[lane] = random() < 0.1f ? nullptr : &scene_.lights()[generator_() % scene_.lights().size()];
       u_x.set(lane, random()), u_y.set(lane, random());
     }
-    const LightSamples samples = sample_lights(
+    const lights::LightSamples samples = sample_lights(
         lights, scene_.textures(), {together.position(), together.light_normal()}, {u_x.all(), u_y.all()});
     const RayOf<FloatN> rays = together.rays_toward(samples);
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
@@ -219,4 +219,4 @@ class VertexLanes : public testing::Test {
   int samples_found_ = 0, lights_found_ = 0;
 };
 
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

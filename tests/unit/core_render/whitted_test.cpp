@@ -11,7 +11,7 @@
 #include "tests/support/mean_radiance.hpp"
 #include "tests/support/test_scenes.hpp"
 
-namespace tessera::core {
+namespace tessera::core::integrators {
 namespace {
 
 double whitted(const Scene& scene, int max_depth = 0, std::uint32_t spp = 4) {
@@ -155,4 +155,4 @@ TEST(Whitted, GlassIsNearlyInvisibleInUniformSurroundings) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::integrators

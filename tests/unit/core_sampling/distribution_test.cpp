@@ -9,7 +9,7 @@
 
 #include "core/sampling/bilinear_distribution.hpp"
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 namespace {
 
 TEST(DiscreteDistribution, SamplesInProportionToWeightAndNeverWeightZero) {
@@ -155,4 +155,4 @@ TEST(BilinearDistribution, HasSomeDensityEverywhere) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

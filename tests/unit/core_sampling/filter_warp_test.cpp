@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 namespace {
 
 struct FilterCase {
@@ -71,4 +71,4 @@ TEST_P(FilterWarp, ScalesWithItsRadius) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

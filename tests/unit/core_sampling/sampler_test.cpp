@@ -8,7 +8,7 @@
 
 #include "core/sampling/sobol.hpp"
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 namespace {
 
 TEST(Sobol, StartsAsPublished) {
@@ -120,4 +120,4 @@ TEST(Sampler, EightAtOnceAreWhatEachIsAlone) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

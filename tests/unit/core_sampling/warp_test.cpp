@@ -5,7 +5,7 @@
 
 #include <array>
 
-namespace tessera::core {
+namespace tessera::core::sampling {
 namespace {
 
 constexpr int kSide = 1024;
@@ -66,4 +66,4 @@ TEST(Warp, TriangleIsUniform) {
 }
 
 }  // namespace
-}  // namespace tessera::core
+}  // namespace tessera::core::sampling

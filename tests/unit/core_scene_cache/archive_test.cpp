@@ -37,7 +37,7 @@ TEST(Archive, RefusesArraysLargerThanTheFile) {
   for (const std::uint64_t size :
        {std::uint64_t{1}, std::uint64_t{1} << 20, std::uint64_t{1} << 62, UINT64_MAX}) {
     EXPECT_FALSE(is_read<std::vector<float>>(size, sizeof(float))) << size;
-    EXPECT_FALSE(is_read<HugePageArray<BvhNode>>(size, sizeof(BvhNode))) << size;
+    EXPECT_FALSE(is_read<accel::HugePageArray<accel::BvhNode>>(size, sizeof(accel::BvhNode))) << size;
     EXPECT_FALSE(is_read<std::string>(size, 1)) << size;
     EXPECT_FALSE(is_read<std::vector<std::string>>(size, 0)) << size;
   }

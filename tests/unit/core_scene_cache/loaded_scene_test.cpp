@@ -37,7 +37,7 @@ class LoadedScene : public testing::Test {
   }
   // Of a scene with something of everything, after this change.
   std::string error_after(const std::function<void(SceneDescription&)>& change) const {
-    SceneDescription scene = fingerprint_scene();
+    SceneDescription scene = integrators::fingerprint_scene();
     change(scene);
     return error_of(scene);
   }
@@ -64,16 +64,16 @@ MeshDescription& mesh_of(SceneDescription& scene) {
 }
 
 TEST_F(LoadedScene, LosesNothing) {
-  const auto read = passed(fingerprint_scene());
+  const auto read = passed(integrators::fingerprint_scene());
   ASSERT_TRUE(read) << read.error().message;
   const std::string first = read_file(path());
   ASSERT_TRUE(passed(*read));
   EXPECT_TRUE(read_file(path()) == first);
-  EXPECT_TRUE(Scene::build(*read, 1)->bvh() == Scene::build(fingerprint_scene(), 1)->bvh());
+  EXPECT_TRUE(Scene::build(*read, 1)->bvh() == Scene::build(integrators::fingerprint_scene(), 1)->bvh());
 }
 
 TEST_F(LoadedScene, KeepsSecondTextureCoordinates) {
-  SceneDescription scene = fingerprint_scene();
+  SceneDescription scene = integrators::fingerprint_scene();
   MeshDescription& mesh = mesh_of(scene);
   mesh.uvs.resize(mesh.positions.size());
   mesh.second_uvs.assign(mesh.positions.size(), {0.25f, 7});
@@ -86,7 +86,7 @@ TEST_F(LoadedScene, KeepsSecondTextureCoordinates) {
 }
 
 TEST_F(LoadedScene, KeepsProceduralTextures) {
-  SceneDescription scene = fingerprint_scene();
+  SceneDescription scene = integrators::fingerprint_scene();
   const auto last = static_cast<int>(scene.textures.size());
   const ProceduralTexture marble{MarblePattern{3, 0.25f, 2, 0.5f}, PatternSpace::kUv, scaling({2, 3, 4}),
                                  0.75f};
@@ -102,7 +102,7 @@ TEST_F(LoadedScene, KeepsProceduralTextures) {
 }
 
 TEST_F(LoadedScene, KeepsTangents) {
-  SceneDescription scene = fingerprint_scene();
+  SceneDescription scene = integrators::fingerprint_scene();
   MeshDescription& mesh = mesh_of(scene);
   mesh.tangents.assign(mesh.positions.size(), {{0.5f, 1, 2}, -1});
   const auto read = passed(scene);
@@ -114,7 +114,7 @@ TEST_F(LoadedScene, KeepsTangents) {
 }
 
 TEST_F(LoadedScene, KeepsMedia) {
-  SceneDescription scene = fingerprint_scene();
+  SceneDescription scene = integrators::fingerprint_scene();
   scene.grids = {{.size = {2, 1, 1}, .values = {1, 2}, .border = GridBorder::kZero}};
   scene.media = {{.name = "smoke", .sigma_s = {1, 2, 3}, .g = 0.5f, .scattering_grid = 0}};
   scene.materials[0].media.interior = 0;
@@ -132,7 +132,7 @@ TEST_F(LoadedScene, KeepsMedia) {
 
 // A scene with keyframes of every kind.
 SceneDescription animated_scene() {
-  SceneDescription scene = fingerprint_scene();
+  SceneDescription scene = integrators::fingerprint_scene();
   scene.objects.push_back({"ball", {SphereDescription{{0, 0, 0}, 1, 0}}, {}});
   scene.shapes.emplace_back(
       InstanceDescription{static_cast<std::uint32_t>(scene.objects.size()) - 1, {}, std::nullopt});
@@ -226,7 +226,7 @@ TEST_F(LoadedScene, OfAnotherBuildIsRefused) {
 }
 
 TEST_F(LoadedScene, IsRefusedWithAnyPieceMissing) {
-  ASSERT_TRUE(passed(fingerprint_scene()));
+  ASSERT_TRUE(passed(integrators::fingerprint_scene()));
   const std::string good = read_file(path());
   for (const std::size_t size :
        {std::size_t{0}, std::size_t{1}, std::size_t{88}, good.size() / 2, good.size() - 1}) {
@@ -323,7 +323,7 @@ TEST_F(LoadedScene, WithIndicesOfNothingCannotBeBuilt) {
       },
       [](SceneDescription& s) { s.environment.emplace().radiance.texture = 1 << 30; }};
   for (std::size_t i = 0; i < std::size(changes); ++i) {
-    SceneDescription scene = fingerprint_scene();
+    SceneDescription scene = integrators::fingerprint_scene();
     changes[i](scene);
     auto read = passed(scene);
     ASSERT_TRUE(read) << i;

@@ -50,7 +50,7 @@ class Store : public testing::Test {
   Scene everything(const std::string& key = "everything") {
     auto prepared = store_.prepare(key, 2, [this]() -> Result<SceneDescription> {
       ++loads_;
-      return fingerprint_scene();
+      return integrators::fingerprint_scene();
     });
     return build_scene(std::move(prepared.value()), 2).value();
   }
@@ -71,7 +71,7 @@ class Store : public testing::Test {
 FilmTile render_small(const Scene& scene) {
   RenderSettings settings = scene.settings();
   settings.width_px = settings.height_px = 32;
-  return render(prepare(scene, settings, 2), {0, 0, 32, 32}, {0, 4}, 2);
+  return render(integrators::prepare(scene, settings, 2), {0, 0, 32, 32}, {0, 4}, 2);
 }
 
 TEST_F(Store, GivesTheSameSceneAndImage) {
@@ -87,7 +87,7 @@ TEST_F(Store, GivesTheSameSceneAndImage) {
 TEST_F(Store, LosesNothing) {
   everything();
   const std::string first = read_file(only_scene());
-  auto kept = store_.prepare("everything", 2, [] { return fingerprint_scene(); }).value();
+  auto kept = store_.prepare("everything", 2, [] { return integrators::fingerprint_scene(); }).value();
   fs::remove(only_scene());
   auto again =
       store_.prepare("everything", 2, [&]() -> Result<SceneDescription> { return kept.description; });
@@ -158,7 +158,8 @@ TEST_F(Store, CanBeSharedByManyAtOnce) {
   for (int i = 0; i < 4; ++i)
     threads.emplace_back([&] {
       for (int n = 0; n < 5; ++n)
-        build_scene(store_.prepare("shared", 1, [] { return fingerprint_scene(); }).value(), 1).value();
+        build_scene(store_.prepare("shared", 1, [] { return integrators::fingerprint_scene(); }).value(), 1)
+            .value();
     });
   for (std::thread& thread : threads) thread.join();
   everything("shared");
@@ -218,7 +219,7 @@ TEST_F(Store, CountsScenesThatAreBeingWritten) {
   const std::uint64_t bytes = fs::file_size(only_scene());
   fs::remove(only_scene());
   const auto begin = [&](const std::string& key) {
-    return open(bytes * 3 / 2).prepare(key, 1, [] { return fingerprint_scene(); }).value();
+    return open(bytes * 3 / 2).prepare(key, 1, [] { return integrators::fingerprint_scene(); }).value();
   };
   std::vector<PreparedScene> prepared;
   for (const char* key : {"one", "two", "three"}) prepared.push_back(begin(key));

@@ -139,7 +139,7 @@ TEST(MitsubaEmitter, LightsWithoutExtent) {
   EXPECT_EQ(spot.look_at, (Vec3{0, 4, 0}));
   EXPECT_EQ(spot.angle_degrees, 80);
   EXPECT_EQ(spot.softness, 0.75f);
-  EXPECT_EQ(spot.falloff, SpotFalloff::kLinear);
+  EXPECT_EQ(spot.falloff, lights::SpotFalloff::kLinear);
   EXPECT_LT(spot.image.texture, 0);
   const auto& sun = std::get<DirectionalLightDescription>(scene.lights[2]);
   EXPECT_EQ(sun.direction, (Vec3{0, 0, -1}));
@@ -183,7 +183,7 @@ TEST(MitsubaEmitter, EnvironmentMapsHaveTheirEdgeAtMinusZ) {
       {{"sky.hdr", hdr(one_color(8, 4, Rgb::gray(1)))}});
   ASSERT_TRUE(scene.environment);
   EXPECT_EQ(scene.environment->radiance.value, Rgb::gray(2));
-  const EquirectangularMap map(scene.environment->rotation_degrees);
+  const lights::EquirectangularMap map(scene.environment->rotation_degrees);
   EXPECT_NEAR(map.uv_of(Vec3{1, 0, -1e-3f}).x, 0.25, 1e-3);
   EXPECT_NEAR(map.uv_of(Vec3{0, 0, 1}).x, 0.5, 1e-3);
 }
@@ -251,7 +251,7 @@ TEST(MitsubaEmitter, BlackBodiesHaveTheirPower) {
   const double power =
       1e-9 * 1.191043e-16 / (std::pow(570e-9, 5) * std::expm1(1.438777e-2 / (570e-9 * 5000)));
   EXPECT_NEAR(luminance(intensity) / power, 1, 0.02);
-  const Rgb color = blackbody_color(5000);
+  const Rgb color = spectra::blackbody_color(5000);
   EXPECT_NEAR(intensity.r / luminance(intensity), color.r, 2e-3);
   EXPECT_NEAR(intensity.b / luminance(intensity), color.b, 2e-3);
 }

@@ -49,7 +49,9 @@ std::vector<std::uint64_t> rendered(Result<SceneDescription> description) {
   const auto scene = Scene::build(std::move(*description), 1);
   EXPECT_TRUE(scene) << scene.error().message;
   if (!scene) return {};
-  return render(prepare(*scene, scene->settings(), 1), PixelRect{0, 0, 16, 12}, SampleRange{0, 4}, 1).sums;
+  return render(integrators::prepare(*scene, scene->settings(), 1), PixelRect{0, 0, 16, 12},
+                SampleRange{0, 4}, 1)
+      .sums;
 }
 
 TEST(MitsubaTwin, RendersToTheSameBytes) {

@@ -61,7 +61,7 @@ std::string directions_image(int side) {
 // Not at the poles, where the texture would repeat.
 Rgb environment_at(const SceneDescription& scene, Vec3 direction) {
   const ColorParameter& radiance = scene.environment->radiance;
-  const Vec2 uv = EquirectangularMap(0).uv_of(direction);
+  const Vec2 uv = lights::EquirectangularMap(0).uv_of(direction);
   return radiance.evaluate(scene.textures, uv);
 }
 

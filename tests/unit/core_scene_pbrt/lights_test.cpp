@@ -159,7 +159,7 @@ TEST(PbrtLights, GoniometricLightsEmitAsTheirImageSays) {
   const auto& light = std::get<PointLightDescription>(scene.lights.at(0));
   expect_color(light.intensity, Rgb::gray(100 / (4 * kPiF * sum / (16 * 16))), 1e-3f);
   const auto& texture = scene.textures.at(static_cast<std::size_t>(light.texture));
-  const EquirectangularMap map(0, light.orientation);
+  const lights::EquirectangularMap map(0, light.orientation);
   EXPECT_NEAR(texture.evaluate(map.uv_of(Vec3{0.3f, 0.8f, 0.2f})).g, 3, 1e-2f);
   EXPECT_NEAR(texture.evaluate(map.uv_of(Vec3{0.3f, -0.8f, 0.2f})).g, 1, 1e-2f);
 }

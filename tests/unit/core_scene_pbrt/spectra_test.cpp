@@ -14,34 +14,34 @@ namespace {
 using testing::HasSubstr;
 
 TEST(SpectrumColor, EvenReflectanceIsGray) {
-  const std::vector<SpectralSample> even{{300, 0.4}, {900, 0.4}};
+  const std::vector<spectra::SpectralSample> even{{300, 0.4}, {900, 0.4}};
   expect_color(factor_color(even), Rgb::gray(0.4f), 1e-4f);
 }
 
 TEST(SpectrumColor, BlackBodiesFollowPlancksLocus) {
   // Illuminant A is a black body of 2856 K.
-  expect_color(blackbody_color(2856), color_of(*illuminant("A")), 0.01f);
-  EXPECT_NEAR(luminance(blackbody_color(9000)), 1, 0.01);
-  EXPECT_GT(blackbody_color(9000).b, blackbody_color(9000).r);
+  expect_color(spectra::blackbody_color(2856), color_of(*spectra::illuminant("A")), 0.01f);
+  EXPECT_NEAR(luminance(spectra::blackbody_color(9000)), 1, 0.01);
+  EXPECT_GT(spectra::blackbody_color(9000).b, spectra::blackbody_color(9000).r);
 }
 
 TEST(SpectrumColor, MeansAreWeightedByTheEye) {
-  EXPECT_NEAR(photopic_mean(std::vector<SpectralSample>{{400, 1.5}, {700, 1.5}}), 1.5, 1e-9);
-  EXPECT_NEAR(photopic_mean(std::vector<SpectralSample>{{360, 1}, {760, 3}}), 2, 0.05);
-  EXPECT_EQ(photopic_mean({}), 0);
+  EXPECT_NEAR(photopic_mean(std::vector<spectra::SpectralSample>{{400, 1.5}, {700, 1.5}}), 1.5, 1e-9);
+  EXPECT_NEAR(photopic_mean(std::vector<spectra::SpectralSample>{{360, 1}, {760, 3}}), 2, 0.05);
+  EXPECT_EQ(spectra::photopic_mean({}), 0);
 }
 
 TEST(ColorSpace, WhiteStaysWhite) {
   for (const char* name : {"srgb", "rec2020", "dci-p3", "aces2065-1"})
-    expect_color((*to_rec709(name))(Rgb::gray(1)), Rgb::gray(1), 0.002f);
-  EXPECT_FALSE(to_rec709("cmyk"));
-  expect_color(color_of(*illuminant("D65")), Rgb::gray(1), 0.002f);
+    expect_color((*spectra::to_rec709(name))(Rgb::gray(1)), Rgb::gray(1), 0.002f);
+  EXPECT_FALSE(spectra::to_rec709("cmyk"));
+  expect_color(color_of(*spectra::illuminant("D65")), Rgb::gray(1), 0.002f);
 }
 
 TEST(ColorSpace, DaylightOf6504KelvinIsD65) {
-  EXPECT_NEAR(daylight(6504).x, 0.3127, 2e-4);
-  EXPECT_NEAR(daylight(6504).y, 0.3291, 2e-4);
-  expect_color(white_balance(daylight(6504))(Rgb{0.2f, 0.5f, 0.8f}), {0.2f, 0.5f, 0.8f}, 0.002f);
+  EXPECT_NEAR(spectra::daylight(6504).x, 0.3127, 2e-4);
+  EXPECT_NEAR(spectra::daylight(6504).y, 0.3291, 2e-4);
+  expect_color(white_balance(spectra::daylight(6504))(Rgb{0.2f, 0.5f, 0.8f}), {0.2f, 0.5f, 0.8f}, 0.002f);
 }
 
 TEST(PbrtColors, ReflectancesFromSpectraAndFiles) {

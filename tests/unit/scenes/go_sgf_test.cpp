@@ -167,7 +167,7 @@ INSTANTIATE_TEST_SUITE_P(
 // Replaces, drops, doubles and cuts pieces of a record, each time differently.
 std::string mutated(std::string text, std::uint64_t seed) {
   const auto random = [&seed](std::size_t limit) {
-    seed = core::hash(seed, 1);
+    seed = core::sampling::hash(seed, 1);
     return static_cast<std::size_t>(seed % limit);
   };
   for (std::size_t i = 0; i <= random(4) && !text.empty(); ++i) {

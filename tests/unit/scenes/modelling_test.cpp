@@ -207,7 +207,7 @@ TEST(Srgb, ReadsHexadecimalColours) {
 
 std::uint64_t hash_of(const std::string& text) {
   std::uint64_t value = 0;
-  for (const char c : text) value = core::hash(value, static_cast<unsigned char>(c));
+  for (const char c : text) value = core::sampling::hash(value, static_cast<unsigned char>(c));
   return value;
 }
 

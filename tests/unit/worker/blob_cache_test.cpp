@@ -89,7 +89,8 @@ TEST_F(BlobCacheTest, FilesInUseStayAndNothingExceedsTheLimit) {
 // Blobs of many sizes and built scenes, at a limit that two scenes reach.
 TEST_F(BlobCacheTest, BlobsAndScenesTogetherNeverExceedTheLimit) {
   const auto build = [](const core::SceneStore& store, std::size_t key) {
-    auto prepared = store.prepare(std::to_string(key), 1, [] { return core::fingerprint_scene(); });
+    auto prepared =
+        store.prepare(std::to_string(key), 1, [] { return core::integrators::fingerprint_scene(); });
     const bool was_kept = prepared->bvh.has_value();
     EXPECT_TRUE(core::build_scene(std::move(*prepared), 1));
     return was_kept;

@@ -223,7 +223,7 @@ TEST_F(ConfinedLoader, IsToldItsLimits) {
 // Whatever a process writes that was taken over, the worker builds a scene or refuses it.
 TEST_F(ConfinedLoader, IsNotTrusted) {
   add("scene.json", "{}");
-  core::SceneDescription scene = core::fingerprint_scene();
+  core::SceneDescription scene = core::integrators::fingerprint_scene();
   replace_loader_by_one_that_writes(scene);
   const auto loaded = load();
   ASSERT_TRUE(loaded);
