@@ -200,7 +200,7 @@ inline UvSets uv_sets_at(const Scene& scene, const Hit& hit, const SurfacePoint&
 
 // Where the textures of `surface` are looked up.
 inline TexturePoint texture_point_at(const Scene& scene, const Hit& hit, const SurfacePoint& surface) {
-  return {uv_sets_at(scene, hit, surface), surface.position};
+  return {uv_sets_at(scene, hit, surface), surface.position, surface.geometric_normal};
 }
 
 // The unit directions on the surface in which u and v of the image `map` grow at a hit; zero if undefined.

@@ -201,8 +201,11 @@ AreaLight::Batch AreaLight::batch_of(const LightShape& shape, const SurfaceEmiss
 }
 
 Rgb AreaLight::emitted(const std::vector<Texture>& textures, Vec3 position, const UvSets& uv, Vec3 wo) const {
-  if (!two_sided_ && !(dot(front_at(position), wo) > 0)) return {};
-  return radiance_.evaluate(textures, {uv, position});
+  const Vec3 front = front_at(position);
+  if (!two_sided_ && !(dot(front, wo) > 0)) return {};
+  if (radiance_.texture < 0) return radiance_.value;
+  const Vec3 normal = std::holds_alternative<SphereLight>(shape_) ? normalize(front) : front;
+  return radiance_.evaluate(textures, {uv, position, normal});
 }
 
 Vec3 AreaLight::front_at(Vec3 position) const {
@@ -249,8 +252,9 @@ AreaLight::Sample AreaLight::before(const Sample& behind, Vec3 p_lit) const {
 std::optional<LightSample> AreaLight::emitted_by(const std::vector<Texture>& textures,
                                                  const Sample& found) const {
   if (!(found.pdf > 0) || !std::isfinite(found.pdf)) return std::nullopt;
-  const Rgb radiance = emitted(textures, found.point.position, found.uv, -found.wi) *
-                       opacity_at(opacity_, textures, {found.uv, found.point.position});
+  const Rgb radiance =
+      emitted(textures, found.point.position, found.uv, -found.wi) *
+      opacity_at(opacity_, textures, {found.uv, found.point.position, found.point.geometric_normal});
   if (is_black(radiance)) return std::nullopt;
   return LightSample{found.wi, radiance, found.pdf, false, found.point};
 }
@@ -298,7 +302,7 @@ AreaLight::Sample AreaLight::find(const CylinderLight& c, Vec3 p_lit, Vec2 u) co
   // The rounding of sine and cosine, and of the radii themselves, moves points off the surface.
   point.position_error =
       (abs(c.start) + abs(c.radius_u) + abs(c.radius_v) + abs(c.axis)) * rounding_bound(16);
-  point.geometric_normal = side.outward;
+  point.geometric_normal = c.flipped ? -side.outward : side.outward;
   point.uv = u;
   return {point, point.uv, normalize(point.position - p_lit),
           per_solid_angle(side.area, p_lit, point.position, side.outward)};
@@ -326,7 +330,8 @@ LightSamples AreaLight::sample_quads(const std::array<const AreaLight*, 8>& quad
   samples.point = point_of_quad<FloatN>({corner.all(), edge_u.all(), edge_v.all()}, front.all(), u);
   samples.wi = normalize(samples.point.position - p_lit);
   samples.pdf = per_solid_angle(area.all(), p_lit, samples.point.position, front.all());
-  samples.radiance = evaluate(radiance, textures, TexturePointOf<FloatN>(u, samples.point.position));
+  samples.radiance =
+      evaluate(radiance, textures, TexturePointOf<FloatN>(u, samples.point.position, front.all()));
   const MaskN emits = MaskN::from_bits(two_sided) | (dot(front.all(), -samples.wi) > 0);
   samples.found = (samples.pdf > 0) & (samples.pdf < std::numeric_limits<float>::infinity()) & emits &
                   !is_black(samples.radiance);

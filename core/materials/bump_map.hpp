@@ -43,7 +43,7 @@ inline HeightSlope height_slope(const Texture& texture, const std::vector<Textur
   const auto slope = [&](Vec2 one, Vec3 derivative) {
     const auto moved = [&](float step) {
       const UvSets uv{at.uv.first + one * step, at.uv.second + one * step};
-      return texture.evaluate_unclamped(all, {uv, at.position + derivative * step}).r;
+      return texture.evaluate_unclamped(all, {uv, at.position + derivative * step, at.normal}).r;
     };
     return height * (moved(0.5f * kStep) - moved(-0.5f * kStep)) / kStep;
   };

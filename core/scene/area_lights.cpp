@@ -5,25 +5,41 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 namespace tessera::core {
 namespace {
 
-double mean_opacity(const Material& material, const std::vector<Texture>& textures) {
+// The means of textures, each computed once: many materials may share one.
+class TextureMeans {
+ public:
+  explicit TextureMeans(const std::vector<Texture>& textures)
+      : textures_(textures), means_(textures.size()) {}
+
+  Rgb of(int texture) {
+    const auto i = static_cast<std::size_t>(texture);
+    if (!means_[i]) means_[i] = textures_[i].mean(textures_);
+    return *means_[i];
+  }
+
+ private:
+  const std::vector<Texture>& textures_;
+  std::vector<std::optional<Rgb>> means_;
+};
+
+double mean_opacity(const Material& material, TextureMeans& means) {
   const ScalarParameter& opacity = material.opacity;
   if (opacity.texture < 0) return static_cast<double>(opacity.value);
-  const Texture& texture = textures[static_cast<std::size_t>(opacity.texture)];
-  return std::clamp(static_cast<double>(opacity.value * texture.mean(textures).r), 0.0, 1.0);
+  return std::clamp(static_cast<double>(opacity.value * means.of(opacity.texture).r), 0.0, 1.0);
 }
 
 // The mean radiance that leaves the surface, including opacity.
-double mean_radiance(const Material& material, const std::vector<Texture>& textures) {
+double mean_radiance(const Material& material, TextureMeans& means) {
   const ColorParameter& emission = material.emission;
   if (is_black(emission.value)) return 0;
-  const double opacity = mean_opacity(material, textures);
+  const double opacity = mean_opacity(material, means);
   if (emission.texture < 0) return static_cast<double>(mean(emission.value)) * opacity;
-  const Texture& texture = textures[static_cast<std::size_t>(emission.texture)];
-  return static_cast<double>(mean(emission.value * texture.mean(textures))) * opacity;
+  return static_cast<double>(mean(emission.value * means.of(emission.texture))) * opacity;
 }
 
 lights::CylinderLight cylinder_light(const Cylinder& cylinder) {
@@ -100,7 +116,8 @@ lights::Light light_at(const lights::LightShape& shape, const Primitives& primit
 
 AreaLightFinder::AreaLightFinder(const std::vector<Material>& materials, const std::vector<Texture>& textures)
     : materials_(materials) {
-  for (const Material& material : materials) mean_radiances_.push_back(mean_radiance(material, textures));
+  TextureMeans means(textures);
+  for (const Material& material : materials) mean_radiances_.push_back(mean_radiance(material, means));
 }
 
 void AreaLightFinder::find(const Primitives& primitives, const Quads& quads) {

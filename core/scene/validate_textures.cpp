@@ -26,8 +26,22 @@ bool is_finite_map(const Transform& t) {
   return is_finite(t.x_axis) && is_finite(t.y_axis) && is_finite(t.z_axis) && is_finite(t.origin);
 }
 
+// The layers of a grid fill an image of whole layers.
+Status check_grid(const GridPattern& grid, const std::vector<Texture>& textures) {
+  if (grid.layers.texture < 0) return {};
+  if (!is_image(grid.layers.texture, textures))
+    return fail(ErrorCode::kInvalidArgument, "layers: the texture must be an image");
+  const TextureImage& image = *textures[static_cast<std::size_t>(grid.layers.texture)].image;
+  if (image.width() % grid.columns != 0 || image.height() % grid.rows() != 0)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("layers: an image of {} x {} cannot be divided into {} columns and {} rows",
+                            image.width(), image.height(), grid.columns, grid.rows()));
+  return {};
+}
+
 // Inputs are counted by those that stand before the texture.
-Status check_procedural(const ProceduralTexture& texture, const std::vector<int>& weights) {
+Status check_procedural(const ProceduralTexture& texture, const std::vector<int>& weights,
+                        const std::vector<Texture>& textures) {
   const NameCounts counts{.textures = weights.size()};
   auto mistake = find_mistake(kKeys<ProceduralTexture>, texture, counts);
   if (!mistake)
@@ -40,7 +54,8 @@ Status check_procedural(const ProceduralTexture& texture, const std::vector<int>
   if (weight_of(texture.pattern, weights) > kMaxTextureWeight)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("it refers to more than {} textures", kMaxTextureWeight));
-  return {};
+  const auto* grid = std::get_if<GridPattern>(&texture.pattern);
+  return grid == nullptr ? Status() : check_grid(*grid, textures);
 }
 
 }  // namespace
@@ -55,7 +70,8 @@ Status check_textures(const std::vector<Texture>& textures) {
       weights.push_back(1);
       continue;
     }
-    if (auto ok = check_procedural(*texture.procedural, weights); !ok) return fail(ok.error().within(within));
+    if (auto ok = check_procedural(*texture.procedural, weights, textures); !ok)
+      return fail(ok.error().within(within));
     weights.push_back(weight_of(texture.procedural->pattern, weights));
   }
   return {};

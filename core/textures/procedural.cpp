@@ -8,6 +8,8 @@
 
 #include "core/math/elementary.hpp"
 #include "core/math/lane_array.hpp"
+#include "core/sampling/warp.hpp"
+#include "core/textures/grid.hpp"
 #include "core/textures/noise.hpp"
 #include "core/textures/texture.hpp"
 
@@ -94,6 +96,20 @@ MaskOf<T> is_in_dot(T x, T y) {
   return (noise(0.5f, 0.5f) > 0.0f) & (from_x * from_x + from_y * from_y < kRadius * kRadius);
 }
 
+float turns(float y, float x) {
+  return atan2(y, x) / (2 * kPi);
+}
+
+template <typename T>
+Vec2Of<T> projected(Projection projection, Vec3Of<T> p) {
+  if (projection == Projection::kPlanar) return {p.x, p.y};
+  if (projection == Projection::kCylindrical)
+    return {in_each_lane([](float y, float x) { return 0.5f + turns(y, x); }, p.y, p.x), p.z};
+  const auto colatitude = [](float x, float y, float z) { return 2 * turns(std::sqrt(x * x + y * y), z); };
+  const auto longitude = [](float y, float x) { return turns(y, x) < 0 ? turns(y, x) + 1 : turns(y, x); };
+  return {in_each_lane(colatitude, p.x, p.y, p.z), in_each_lane(longitude, p.y, p.x)};
+}
+
 float power(float base, float exponent) {
   return base > 0 ? static_cast<float>(pow(static_cast<double>(base), static_cast<double>(exponent)))
                   : (exponent == 0 ? 1.0f : 0.0f);
@@ -108,14 +124,17 @@ class PatternAt {
   RgbOf<T> value(const Texture& texture) const {
     if (!texture.procedural) return of_image(texture, at_.uv);
     const ProceduralTexture& procedural = *texture.procedural;
-    const Vec2Of<T> uv = at_.uv[texture.uv_set];
-    const Vec3Of<T> from =
-        procedural.space == PatternSpace::kUv ? Vec3Of<T>{uv.x, uv.y, T(0.0f)} : at_.position;
-    const Vec3Of<T> p = transformed(procedural.transform, from);
+    const Vec3Of<T> p = transformed(procedural.transform, coordinates(procedural.space, texture.uv_set));
     return std::visit([&](const auto& pattern) { return of_pattern(pattern, p); }, procedural.pattern);
   }
 
  private:
+  Vec3Of<T> coordinates(PatternSpace space, UvSet uv_set) const {
+    if (space == PatternSpace::kPosition) return at_.position;
+    if (space == PatternSpace::kNormal) return at_.normal;
+    const Vec2Of<T> uv = at_.uv[uv_set];
+    return {uv.x, uv.y, T(0.0f)};
+  }
   RgbOf<T> value(const ColorParameter& input) const {
     const RgbOf<T> factor{input.value.r, input.value.g, input.value.b};
     return input.texture < 0 ? factor : factor * value(all_[static_cast<std::size_t>(input.texture)]);
@@ -162,6 +181,21 @@ class PatternAt {
     return {raised(base.r), raised(base.g), raised(base.b)};
   }
 
+  RgbOf<T> of_pattern(const FacingPattern&, Vec3Of<T> p) const {
+    using std::fabs;
+    return gray(fabs(p.z));
+  }
+  RgbOf<T> of_pattern(const GridPattern& grid, Vec3Of<T> p) const {
+    const Rgb c = grid.layers.value;
+    const RgbOf<T> factor{c.r, c.g, c.b};
+    if (grid.layers.texture < 0) return factor;
+    return factor * grid_value(grid, *all_[static_cast<std::size_t>(grid.layers.texture)].image, p);
+  }
+  RgbOf<T> of_pattern(const ProjectedPattern& pattern, Vec3Of<T> p) const {
+    const TexturePointOf<T> at(projected(pattern.projection, p), at_.position, at_.normal);
+    return PatternAt(all_, at).value(pattern.base);
+  }
+
   const std::vector<Texture>& all_;
   const TexturePointOf<T>& at_;
 };
@@ -180,8 +214,9 @@ RgbOf<T> seen_by_materials(const Texture& texture, const std::vector<Texture>& a
   return {clamped(value.r, max), clamped(value.g, max), clamped(value.b, max)};
 }
 
-// The mean over a lattice of points in space and of texture coordinates. They may miss all that is bright,
-// and what has a mean of 0 would be no light: the least result is a thousandth of the largest value.
+// The mean over a lattice of points in space, of texture coordinates and of normals. They may miss all that
+// is bright, and what has a mean of 0 would be no light: the least result is a thousandth of the largest
+// value.
 Rgb estimated_mean(const Texture& texture, const std::vector<Texture>& all) {
   constexpr int kSide = 16;
   Rgb sum;
@@ -190,7 +225,8 @@ Rgb estimated_mean(const Texture& texture, const std::vector<Texture>& all) {
       for (int x = 0; x < kSide; ++x) {
         const auto along = [](int i) { return (static_cast<float>(i) + 0.5f) / kSide; };
         const Vec3 position = Vec3{along(x) + along(z) / kSide, along(y) + along(x) / kSide, along(z)} * 8;
-        sum += texture.evaluate_procedural(all, {Vec2{along(x), along(y)}, position}) *
+        const Vec3 normal = sampling::sample_sphere({along(x), along(y)});
+        sum += texture.evaluate_procedural(all, {Vec2{along(x), along(y)}, position, normal}) *
                (1.0f / (kSide * kSide * kSide));
       }
   const float least = texture.procedural->max * 1e-3f;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Procedural textures: patterns that are computed where a surface is hit, from the point in space or its
-// texture coordinates. Those of pbrt (Pharr et al. 2023, section 10.5), and the combinations of textures.
-// Plain data.
+// Procedural textures: patterns that are computed where a surface is hit, from the point in space, its
+// texture coordinates or its normal. Those of pbrt (Pharr et al. 2023, section 10.5), the combinations of
+// textures, and grids. Plain data.
 //
 // They have no filter: a pattern that is finer than a pixel is averaged by the samples of the pixel.
 #pragma once
@@ -80,11 +80,47 @@ struct PowerPattern {
   bool operator==(const PowerPattern&) const = default;
 };
 
-using Pattern = std::variant<CheckerboardPattern, DotsPattern, FbmPattern, WrinkledPattern, WindyPattern,
-                             MarblePattern, MixPattern, ProductPattern, PowerPattern>;
+// |z|. With coordinates of the normal, how much the surface faces an axis (pbrt's "directionmix").
+struct FacingPattern {
+  bool operator==(const FacingPattern&) const = default;
+};
 
-// What a pattern is a function of: the point in world space, or (u, v, 0).
-enum class PatternSpace { kPosition, kUv };
+// Beyond the edges: the grid or image again, its edge, or itself mirrored at each edge.
+enum class Wrap { kRepeat, kClamp, kMirror };
+// Between texels or voxels: interpolated, or the nearest one's value.
+enum class TextureFilter { kLinear, kNearest };
+
+// A grid of voxels over the unit cube. Its layers of equal z stand side by side in an image, from the top
+// left, row by row: voxel (x, y, z) is the texel (x, y) of layer z, counted from the layer's top left.
+struct GridPattern {
+  ColorParameter layers{Rgb::gray(1), -1};  // the texture is an image
+  int depth = 1;                            // the number of layers
+  int columns = 1;                          // of layers in the image, which has as many rows as are needed
+  Wrap wrap = Wrap::kClamp;
+  TextureFilter filter = TextureFilter::kLinear;
+
+  int rows() const { return (depth + columns - 1) / columns; }
+  bool operator==(const GridPattern&) const = default;
+};
+
+// What gives points of space texture coordinates: (x, y); the angle from +z over pi, and the longitude from
+// +x over 2 pi; the longitude from -x over 2 pi, and z (Pharr et al. 2023, section 10.2).
+enum class Projection { kPlanar, kSpherical, kCylindrical };
+
+// Another texture by these texture coordinates.
+struct ProjectedPattern {
+  ColorParameter base{Rgb::gray(1), -1};
+  Projection projection = Projection::kPlanar;
+
+  bool operator==(const ProjectedPattern&) const = default;
+};
+
+using Pattern =
+    std::variant<CheckerboardPattern, DotsPattern, FbmPattern, WrinkledPattern, WindyPattern, MarblePattern,
+                 MixPattern, ProductPattern, PowerPattern, FacingPattern, GridPattern, ProjectedPattern>;
+
+// What a pattern is a function of: the point in world space, (u, v, 0), or the unit geometric normal.
+enum class PatternSpace { kPosition, kUv, kNormal };
 
 struct ProceduralTexture {
   Pattern pattern{};
@@ -98,6 +134,7 @@ struct ProceduralTexture {
 
 inline constexpr int kMaxNoiseOctaves = 32;
 inline constexpr float kMaxPatternValue = 1e6f;
+inline constexpr int kMaxGridLayers = 1 << 14;
 // The number of textures that a look-up evaluates, each as often as it is referred to.
 inline constexpr int kMaxTextureWeight = 500;
 
@@ -111,6 +148,7 @@ void visit_inputs(const Pattern& pattern, const Visit& visit) {
         if constexpr (requires { p.first; }) visit(p.first), visit(p.second);
         if constexpr (requires { p.amount; }) visit(p.amount);
         if constexpr (requires { p.base; }) visit(p.base);
+        if constexpr (requires { p.layers; }) visit(p.layers);
       },
       pattern);
 }

@@ -25,10 +25,6 @@
 namespace tessera::core {
 
 enum class ColorSpace { kSrgb, kLinear };
-// Beyond the image's edges: the image again, its edge, or the image mirrored at each edge.
-enum class Wrap { kRepeat, kClamp, kMirror };
-// Between texels: interpolated, or the nearest one's value.
-enum class TextureFilter { kLinear, kNearest };
 // The channels of a file that become the image: red, green and blue, or a single one in all three.
 enum class TextureChannel { kColor, kAlpha, kRed, kGreen, kBlue };
 

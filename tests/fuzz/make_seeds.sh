@@ -196,6 +196,20 @@ mitsuba attributes <<EOF
 <bsdf type="diffuse"/></bsdf></shape></scene>
 EOF
 
+{ cat <<'EOF'
+<scene version="3.0.0"><sensor type="perspective"><float name="shutter_close" value="1"/></sensor>
+<shape type="cube"><bsdf type="roughplastic"><texture name="alpha" type="volume">
+<volume name="volume" type="gridvolume"><string name="filename" value="g.vol"/><string name="wrap_mode" value="mirror"/>
+<transform name="to_world"><scale value="2"/></transform></volume></texture></bsdf></shape>
+<shape type="shapegroup" id="g"><shape type="sphere"><bsdf type="diffuse"><srgb name="reflectance" value="#ff8000"/></bsdf></shape></shape>
+<shape type="instance"><ref id="g"/><animation name="animation"><transform time="0"/><transform time="1">
+<translate x="2"/></transform></animation></shape><emitter type="constant"/></scene>
+EOF
+part g.vol; printf 'VOL\3\1\0\0\0\2\0\0\0\1\0\0\0\1\0\0\0\1\0\0\0'
+head -c 24 /dev/zero
+printf '\0\0\0\77\0\0\0\76'
+} | seed mitsuba grids
+
 # ---- glTF ----
 # Four corners, four texture coordinates, indices, two matrices, weights and joints.
 cat >"$work/b.b64" <<'EOF'
@@ -231,7 +245,7 @@ gltf skin <<'EOF'
  "nodes": [{"mesh": 0, "skin": 0}, {"children": [2]}, {"translation": [0, 1, 0]}],
  "meshes": [{"weights": [0.5], "primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 5, "WEIGHTS_0": 4, "COLOR_0": 4}, "targets": [{"POSITION": 7}], "material": 0}]}],
  "skins": [{"joints": [1, 2], "inverseBindMatrices": 3}],
- "animations": [{"samplers": [{"input": 6, "output": 4, "interpolation": "CUBICSPLINE"}, {"input": 6, "output": 6}], "channels": [{"sampler": 0, "target": {"node": 1, "path": "rotation"}}, {"sampler": 1, "target": {"node": 0, "path": "weights"}}]}],
+ "animations": [{"samplers": [{"input": 6, "output": 4, "interpolation": "CUBICSPLINE"}, {"input": 6, "output": 6}], "channels": [{"sampler": 0, "target": {"node": 1, "path": "rotation"}}, {"sampler": 1, "target": {"node": 0, "path": "weights"}}, {"sampler": 1, "target": {"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": "/materials/0/alphaCutoff"}}}}]}],
  "materials": [{"extensions": {"KHR_materials_unlit": {}}}]}
 EOF
 

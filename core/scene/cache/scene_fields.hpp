@@ -263,10 +263,20 @@ constexpr bool is_known(Wrap value) {
   }
   return false;
 }
+constexpr bool is_known(Projection value) {
+  switch (value) {
+    case Projection::kPlanar:
+    case Projection::kSpherical:
+    case Projection::kCylindrical:
+      return true;
+  }
+  return false;
+}
 constexpr bool is_known(PatternSpace value) {
   switch (value) {
     case PatternSpace::kPosition:
     case PatternSpace::kUv:
+    case PatternSpace::kNormal:
       return true;
   }
   return false;

@@ -15,10 +15,11 @@
 namespace tessera::core::gltf {
 namespace {
 
-constexpr std::array<std::string_view, 27> kKnownExtensions{
+constexpr std::array<std::string_view, 28> kKnownExtensions{
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
+    "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",

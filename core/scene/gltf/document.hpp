@@ -21,6 +21,8 @@ class Document {
   Document& operator=(const Document&) = delete;
 
   Value root() const { return {&json_, "", this}; }
+  // To change values. Those that were taken before may be no longer valid.
+  JsonValue& json() { return json_; }
   // An element of a list, or of one of the root's, by an index as written in the file: refused if there is
   // none.
   static Value element(const Value& list, const Value& index);

@@ -13,6 +13,7 @@
 #include "core/base/printable.hpp"
 #include "core/geometry/placement.hpp"
 #include "core/scene/gltf/accessor.hpp"
+#include "core/scene/gltf/animated_values.hpp"
 #include "core/scene/gltf/buffers.hpp"
 #include "core/scene/gltf/document.hpp"
 #include "core/scene/gltf/ignored_attributes.hpp"
@@ -330,7 +331,8 @@ Result<SceneDescription> read_scene(SceneBuilder& builder) {
   if (!bytes) return fail(bytes.error().within(shown));
   const bool has_lines = !bytes->starts_with("glTF");
   try {
-    const Document document(std::move(*bytes), builder);
+    Document document(std::move(*bytes), builder);
+    apply_pointers(document);
     SceneReader(document).read();
   } catch (const Refusal& refusal) {
     if (refusal.names_file) return fail(refusal.error);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 
 #include "core/image/codecs.hpp"
 #include "core/scene/import/deforming_mesh.hpp"
@@ -70,9 +71,15 @@ Result<SceneBuilder::Image> SceneBuilder::image_bytes(const std::string& name, s
 }
 
 Result<SceneBuilder::Image> SceneBuilder::image_pixels(const std::string& name, TextureImage image) {
-  if (auto counted = cache_.count_pixels(name, {image.width(), image.height()}); !counted)
-    return fail(counted.error());
-  return std::make_shared<const TextureImage>(std::move(image));
+  return image_pixels(name, {image.width(), image.height()}, [&] { return std::move(image); });
+}
+
+Result<SceneBuilder::Image> SceneBuilder::image_pixels(const std::string& name, TextureSize size,
+                                                       const std::function<TextureImage()>& make) {
+  if (auto counted = cache_.count_pixels(name, size); !counted) return fail(counted.error());
+  auto image = std::make_shared<const TextureImage>(make());
+  assert(image->width() == size.width && image->height() == size.height);
+  return image;
 }
 
 int SceneBuilder::add_texture(const Texture& texture) {

@@ -9,6 +9,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -112,6 +113,9 @@ class SceneBuilder {
   Result<Image> image_bytes(const std::string& name, std::string_view bytes, const ImageUse& use);
   // A generated image, counted against the limits on textures.
   Result<Image> image_pixels(const std::string& name, TextureImage image);
+  // The same for a large one: make() is called once the limits have allowed its size.
+  Result<Image> image_pixels(const std::string& name, TextureSize size,
+                             const std::function<TextureImage()>& make);
 
   // The index of the texture, for ColorParameter and ScalarParameter. Equal textures have one index.
   int add_texture(const Texture& texture);

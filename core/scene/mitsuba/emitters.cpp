@@ -14,6 +14,7 @@
 #include "core/math/motion.hpp"
 #include "core/scene/import/keyed_transforms.hpp"
 #include "core/scene/mitsuba/sensor.hpp"
+#include "core/scene/validate_textures.hpp"
 
 namespace tessera::core::mitsuba {
 namespace {
@@ -75,12 +76,21 @@ void EmitterConverter::add(const Plugin& emitter) {
 }
 
 Rgb EmitterConverter::color(const Plugin& emitter, std::string_view name) {
-  const ColorParameter found =
-      textures_.color(emitter, name, Rgb::gray(1), {}, std::numeric_limits<float>::max());
-  if (found.texture < 0) return found.value;
+  const ColorParameter found = image(emitter, name);
+  return found.texture < 0 ? found.value : mean_of(emitter, name, found);
+}
+
+Rgb EmitterConverter::mean_of(const Plugin& emitter, std::string_view name, const ColorParameter& textured) {
   emitter.warn(fmt::format("the mean replaces the texture of '{}'", name));
   const auto& textures = conversion_.builder.scene().textures;
-  return found.value * textures[static_cast<std::size_t>(found.texture)].image->mean();
+  return textured.value * textures[static_cast<std::size_t>(textured.texture)].mean(textures);
+}
+
+ColorParameter EmitterConverter::image(const Plugin& emitter, std::string_view name) {
+  const ColorParameter found =
+      textures_.color(emitter, name, Rgb::gray(1), {}, std::numeric_limits<float>::max());
+  if (is_image(found.texture, conversion_.builder.scene().textures)) return found;
+  return {mean_of(emitter, name, found), -1};
 }
 
 std::vector<Transform> EmitterConverter::placements(const Plugin& emitter) {
@@ -133,14 +143,13 @@ void EmitterConverter::add_spot(const Plugin& emitter) {
   light.angle_degrees = 2 * cutoff;
   light.softness = (cutoff - beam) / cutoff;
   light.falloff = lights::SpotFalloff::kLinear;
-  const ColorParameter image =
-      textures_.color(emitter, "texture", Rgb::gray(1), {}, std::numeric_limits<float>::max());
-  light.intensity *= image.value;
+  const ColorParameter picture = image(emitter, "texture");
+  light.intensity *= picture.value;
   const float half_width = tangent_of_degrees(std::min(cutoff, kWidestImage));
   add_placed(emitter, light, [&](SpotLightDescription& placed, const Transform& to_world) {
     aim(placed, to_world);
-    if (image.texture >= 0)
-      placed.image = {image.texture, normalize(to_world.x_axis) * half_width,
+    if (picture.texture >= 0)
+      placed.image = {picture.texture, normalize(to_world.x_axis) * half_width,
                       normalize(to_world.y_axis) * half_width, false};
   });
 }
@@ -148,16 +157,15 @@ void EmitterConverter::add_spot(const Plugin& emitter) {
 // The image is mirrored, as that of a camera. Its texels are irradiances of a plane at a distance of 1, over
 // pi.
 void EmitterConverter::add_projector(const Plugin& emitter) {
-  const ColorParameter irradiance =
-      textures_.color(emitter, "irradiance", Rgb::gray(1), {}, std::numeric_limits<float>::max());
+  const ColorParameter irradiance = image(emitter, "irradiance");
   int texture = irradiance.texture;
   if (texture < 0) {
     auto white = conversion_.builder.image_pixels("white", TextureImage(1, 1, std::vector<float>{1, 1, 1}));
     if (!white) return conversion_.check(fail(white.error()));
     texture = conversion_.builder.add_texture(Texture{std::move(*white)});
   }
-  const TextureImage& image = *conversion_.builder.scene().textures[static_cast<std::size_t>(texture)].image;
-  const float aspect = static_cast<float>(image.width()) / static_cast<float>(image.height());
+  const TextureImage& slide = *conversion_.builder.scene().textures[static_cast<std::size_t>(texture)].image;
+  const float aspect = static_cast<float>(slide.width()) / static_cast<float>(slide.height());
   const float across = half_width_of(emitter, aspect), upward = across / aspect;
   constexpr float kMargin = 1.0001f;
   const float half_angle = atan2(std::sqrt(across * across + upward * upward), 1.0f) * (180 / kPi);

@@ -16,6 +16,9 @@ class EmitterConverter {
 
  private:
   Rgb color(const Plugin& emitter, std::string_view name);
+  // A constant, or an image.
+  ColorParameter image(const Plugin& emitter, std::string_view name);
+  Rgb mean_of(const Plugin& emitter, std::string_view name, const ColorParameter& textured);
   // Where the light is while the shutter is open: equally long in each place.
   std::vector<Transform> placements(const Plugin& emitter);
   // Adds the light, with its share of the intensity, wherever place(light, to_world) puts it.

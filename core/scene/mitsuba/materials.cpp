@@ -97,11 +97,12 @@ MaterialIndex MaterialConverter::material(const MaterialUse& use) {
 }
 
 void MaterialConverter::set_emission(const Plugin& emitter, const TextureSite& site, Material& material) {
-  if (emitter.type() != "area") {
+  material.emission = textures_.color(emitter, "radiance", Rgb::gray(1), site, kUnbounded);
+  if (emitter.type() == "directionalarea") {
+    emitter.warn("emits in all directions, with the same power");
+    material.emission.value *= 1 / kPi;
+  } else if (emitter.type() != "area") {
     emitter.warn("on a shape is not supported; an area light replaces it");
-    material.emission = {Rgb::gray(1), -1};
-  } else {
-    material.emission = textures_.color(emitter, "radiance", Rgb::gray(1), site, kUnbounded);
   }
   emitter.ignore({"sampling_weight"});
   material.two_sided_emission = false;

@@ -5,25 +5,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <utility>
 
 #include "core/base/suggestion.hpp"
 #include "core/geometry/placement.hpp"
-#include "core/scene/loader/volume_reader.hpp"
+#include "core/scene/mitsuba/grid_volume.hpp"
 
 namespace tessera::core::mitsuba {
 namespace {
-
-// The box in a file of a grid, as a map from the unit cube.
-Transform box_of(std::string_view bytes) {
-  constexpr std::size_t kOffset = 24;
-  std::array<float, 6> box{};
-  if (bytes.size() < kOffset + sizeof(box)) return {};
-  std::memcpy(box.data(), bytes.data() + kOffset, sizeof(box));
-  const Vec3 lower{box[0], box[1], box[2]}, upper{box[3], box[4], box[5]};
-  return compose(translation(lower), scaling(upper - lower));
-}
 
 // The voxels' channels, as colours.
 Rgb voxel(const VoxelGrid& grid, std::size_t i) {
@@ -230,37 +219,16 @@ MediumConverter::Coefficient MediumConverter::coefficient(const Plugin& owner, s
   if (const auto volume = owner.child(name)) {
     if (volume->type() == "constvolume") return coefficient(*volume, "value", otherwise);
     if (volume->type() == "gridvolume")
-      if (auto grid = grid_volume(*volume)) return std::move(*grid);
+      if (auto placed = read_grid_volume(conversion_, *volume)) {
+        if (placed->wrap != Wrap::kClamp) volume->warn("the wrap_mode is 'clamp'");
+        return {Rgb::gray(1), std::move(placed->grid), placed->to_world};
+      }
   }
   owner.warn(
       fmt::format("'{}' is no colour, <volume type=\"constvolume\"> or <volume type=\"gridvolume\">; {} "
                   "replaces it",
                   name, otherwise));
   return {Rgb::gray(otherwise), {}, {}};
-}
-
-std::optional<MediumConverter::Coefficient> MediumConverter::grid_volume(const Plugin& volume) {
-  volume.ignore({"raw", "accel"});
-  const std::string written = volume.text("filename").value_or("");
-  const auto path = conversion_.find_file(written);
-  const auto bytes =
-      path ? conversion_.builder.read(*path)
-           : Result<std::string>(fail(ErrorCode::kNotFound, in_quotes(written) + " does not exist"));
-  if (!bytes) {
-    volume.warn(bytes.error().message);
-    return std::nullopt;
-  }
-  auto grid = conversion_.builder.files().grid(*path);
-  if (!grid) {
-    if (grid.error().code == ErrorCode::kResourceExhausted) conversion_.check(fail(grid.error()));
-    volume.warn(grid.error().message);
-    return std::nullopt;
-  }
-  if (volume.text("filter_type").value_or("trilinear") == "nearest") grid->filter = GridFilter::kNearest;
-  if (volume.text("wrap_mode").value_or("clamp") != "clamp") volume.warn("the wrap_mode is 'clamp'");
-  Transform to_world = volume.transform("to_world");
-  if (volume.flag("use_grid_bbox", false)) to_world = compose(to_world, box_of(*bytes));
-  return Coefficient{Rgb::gray(1), std::move(*grid), to_world};
 }
 
 int MediumConverter::add_grid(VoxelGrid grid) {

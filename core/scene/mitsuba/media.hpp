@@ -35,7 +35,6 @@ class MediumConverter {
   void add_emission(const Plugin& light, MediumDescription& medium);
   void add_emission_grid(const Plugin& light, const Coefficient& radiance, MediumDescription& medium);
   Coefficient coefficient(const Plugin& owner, std::string_view name, float otherwise);
-  std::optional<Coefficient> grid_volume(const Plugin& volume);
   // Sets the coefficients of absorption and scattering, by the albedo.
   void set_coefficients(const Plugin& plugin, const Coefficient& extinction, const Coefficient& albedo,
                         MediumDescription& medium);

@@ -101,6 +101,16 @@ std::optional<Vec3> parse_triple(std::string_view text) {
   return Vec3{at(0), at(1), at(2)};
 }
 
+std::optional<Vec3> parse_hexadecimal(std::string_view text) {
+  text = without_blanks(text);
+  std::uint32_t code = 0;
+  if (text.size() != 7 || text.front() != '#') return std::nullopt;
+  const auto [end, error] = std::from_chars(text.data() + 1, text.data() + text.size(), code, 16);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  const auto channel = [code](int shift) { return static_cast<float>(code >> shift & 255u) / 255; };
+  return Vec3{channel(16), channel(8), channel(0)};
+}
+
 std::optional<Samples> parse_samples(std::string_view text) {
   Samples samples;
   for (const std::string_view word : split_list(text)) {

@@ -24,6 +24,8 @@ std::vector<std::string_view> split_list(std::string_view text);
 std::optional<std::vector<double>> parse_numbers(std::string_view text);
 // Three numbers, or one for all three.
 std::optional<Vec3> parse_triple(std::string_view text);
+// "#rrggbb", as fractions of 255.
+std::optional<Vec3> parse_hexadecimal(std::string_view text);
 // "400:0.2, 500:0.3": wavelengths in nm, strictly growing after sorting. nullopt if it is malformed.
 std::optional<Samples> parse_samples(std::string_view text);
 // The lines of a file of samples: two numbers each; '#' begins a comment.

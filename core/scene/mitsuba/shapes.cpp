@@ -182,7 +182,8 @@ void ShapeConverter::add_instance(const Plugin& shape, std::optional<std::uint32
     shape.warn(object ? "inside of a shape group is left out" : "has no shape group; it is left out");
     return;
   }
-  const auto* keys = shape.animation("to_world");
+  // The parameter "animation" replaces "to_world".
+  const auto* keys = shape.animation(shape.has("animation") ? "animation" : "to_world");
   auto motion = keys != nullptr && keys->size() > 1 ? motion_of(shape, *keys) : std::nullopt;
   if (!motion) {
     const Transform place = keys == nullptr ? shape.transform("to_world") : keys->front().transform;

@@ -9,6 +9,7 @@
 
 #include "core/base/printable.hpp"
 #include "core/base/suggestion.hpp"
+#include "core/scene/mitsuba/grid_volume.hpp"
 #include "core/scene/mitsuba/spectra.hpp"
 
 namespace tessera::core::mitsuba {
@@ -81,15 +82,6 @@ UvMap uv_map(const Transform& to_uv, UvLayout layout) {
   return {u, v, start};
 }
 
-Wrap wrap_of(const Plugin& plugin) {
-  const std::string mode = plugin.text("wrap_mode").value_or("repeat");
-  if (mode == "repeat") return Wrap::kRepeat;
-  if (mode == "clamp") return Wrap::kClamp;
-  if (mode == "mirror") return Wrap::kMirror;
-  plugin.warn(fmt::format("the wrap_mode {} is not known; the texture is repeated", in_quotes(mode)));
-  return Wrap::kRepeat;
-}
-
 }  // namespace
 
 ColorParameter TextureConverter::color(const Plugin& owner, std::string_view name, Rgb otherwise,
@@ -115,13 +107,12 @@ ScalarParameter TextureConverter::scalar(const Plugin& owner, std::string_view n
   // Mitsuba exchanges the fields of checkerboards that are looked up as numbers.
   if (const auto child = owner.child(name); child && child->type() == "checkerboard")
     found->texture->offset.x += 0.5f;
-  found->texture->image = mapped(found->texture->image, map);
-  return {apply(as_number(found->factor)), conversion_.builder.add_texture(*found->texture)};
+  return {apply(as_number(found->factor)), conversion_.builder.add_texture(mapped(*found->texture, map))};
 }
 
 int TextureConverter::normal_map(const Plugin& plugin, const TextureSite& site) {
   Value normals = texture(plugin, site);
-  if (!normals.texture) {
+  if (!normals.texture || normals.texture->procedural) {
     plugin.warn("is no image; the normal map is left out");
     return -1;
   }
@@ -133,8 +124,7 @@ int TextureConverter::normal_map(const Plugin& plugin, const TextureSite& site) 
 int TextureConverter::height_map(const Plugin& plugin, const TextureSite& site) {
   Value heights = texture(plugin, site);
   if (!heights.texture) return -1;
-  heights.texture->image = mapped(heights.texture->image, TexelMap::kLuminance);
-  return conversion_.builder.add_texture(*heights.texture);
+  return conversion_.builder.add_texture(mapped(*heights.texture, TexelMap::kLuminance));
 }
 
 namespace {
@@ -145,9 +135,12 @@ constexpr int kMaxResampledRows = 1024;
 // Mitsuba's rows are at equal angles from one pole to the other, where the first and the last one lie; ours
 // are in the middle of strips. Several of ours lie between its rows, with their sums; the more there are, the
 // less they blur.
-TextureImage with_rows_between_poles(const TextureImage& image) {
+int rows_between_poles(const TextureImage& image) {
   constexpr int kMaxRows = 2 * kMaxResampledRows, kMaxBetween = 8;
-  const int gaps = image.height() - 1, between = std::min(kMaxRows / gaps, kMaxBetween);
+  return std::min(kMaxRows / (image.height() - 1), kMaxBetween);
+}
+TextureImage with_rows_between_poles(const TextureImage& image) {
+  const int gaps = image.height() - 1, between = rows_between_poles(image);
   std::vector<float> values;
   values.reserve(3 * static_cast<std::size_t>(between * gaps) * static_cast<std::size_t>(image.width()));
   for (int row = 0; row < between * gaps; ++row)
@@ -168,7 +161,9 @@ std::optional<Texture> TextureConverter::environment_image(const Plugin& emitter
   if (!texture.image) return std::nullopt;
   const TextureImage& image = *texture.image;
   if (image.height() < 2 || image.height() > kMaxResampledRows) return texture;
-  auto resampled = conversion_.builder.image_pixels("environment", with_rows_between_poles(image));
+  const TextureSize size{image.width(), rows_between_poles(image) * (image.height() - 1)};
+  auto resampled =
+      conversion_.builder.image_pixels("environment", size, [&] { return with_rows_between_poles(image); });
   if (resampled)
     texture.image = std::move(*resampled);
   else
@@ -204,7 +199,7 @@ TextureConverter::Value TextureConverter::convert(const Plugin& plugin, const Te
   if (type == "bitmap") return bitmap(plugin, site);
   if (type == "checkerboard") return checkerboard(plugin, site);
   if (type == "mesh_attribute") return attribute(plugin, site);
-  if (type == "uniform" || type == "srgb" || type == "rgb") {
+  if (type == "uniform" || type == "srgb" || type == "rgb" || type == "rawconstant") {
     const auto constant = value(plugin, plugin.has("color") ? "color" : "value", site);
     return constant.value_or(Value{});
   }
@@ -222,19 +217,24 @@ TextureConverter::Value TextureConverter::convert(const Plugin& plugin, const Te
   return {Rgb::gray(kNoTexture), {}};
 }
 
-// A volume as a texture: those that are the same everywhere.
 TextureConverter::Value TextureConverter::volume(const Plugin& plugin, const TextureSite& site) {
   const auto child = plugin.child("volume");
   if (!child) return value(plugin, "volume", site).value_or(Value{Rgb::gray(1), {}});
   if (child->type() == "constvolume") return value(*child, "value", site).value_or(Value{Rgb::gray(1), {}});
-  child->warn(fmt::format("grids are supported in media only; the constant {} replaces it", kNoTexture));
-  child->ignore_all();
+  if (child->type() == "gridvolume") {
+    if (const auto placed = read_grid_volume(conversion_, *child))
+      if (auto grid = grid_texture(conversion_, *child, *placed)) return {Rgb::gray(1), std::move(grid)};
+  } else {
+    child->warn("is not supported");
+    child->ignore_all();
+  }
+  plugin.warn(fmt::format("the constant {} replaces it", kNoTexture));
   return {Rgb::gray(kNoTexture), {}};
 }
 
 TextureConverter::Value TextureConverter::bitmap(const Plugin& plugin, const TextureSite& site) {
   Texture result;
-  result.wrap = wrap_of(plugin);
+  result.wrap = wrap_of(plugin, Wrap::kRepeat);
   const bool raw = plugin.flag("raw", false);
   const std::string filter = plugin.text("filter_type").value_or("bilinear");
   if (filter == "nearest")
@@ -253,7 +253,7 @@ TextureConverter::Value TextureConverter::checkerboard(const Plugin& plugin, con
     const Value color = value(plugin, name, site).value_or(Value{Rgb::gray(otherwise), {}});
     if (!color.texture) return color.factor;
     plugin.warn("the mean replaces a texture inside of a checkerboard");
-    return color.factor * color.texture->image->mean();
+    return color.factor * color.texture->mean(conversion_.builder.scene().textures);
   };
   const Rgb first = field("color0", 0.4f), second = field("color1", 0.2f);
   Texture result;
@@ -316,7 +316,7 @@ TextureConverter::Image TextureConverter::derived(const Image& image, int key, c
   auto& [original, made] = derived_[{image.get(), key}];
   if (made) return made;
   original = made = image;
-  auto counted = conversion_.builder.image_pixels("derived image", make());
+  auto counted = conversion_.builder.image_pixels("derived image", {image->width(), image->height()}, make);
   if (counted)
     made = *counted;
   else
@@ -332,6 +332,23 @@ TextureConverter::Image TextureConverter::mapped(const Image& image, TexelMap ma
       return Rgb::gray(map == TexelMap::kSquareRoot ? std::sqrt(value) : value);
     });
   });
+}
+
+// Of grids, the layers are mapped to numbers, and the root is that of what is interpolated between them.
+Texture TextureConverter::mapped(Texture texture, TexelMap map) {
+  if (!texture.procedural) {
+    texture.image = mapped(texture.image, map);
+    return texture;
+  }
+  auto& builder = conversion_.builder;
+  int& index = std::get<GridPattern>(texture.procedural->pattern).layers.texture;
+  Texture layers = builder.scene().textures[static_cast<std::size_t>(index)];
+  layers.image = mapped(layers.image, TexelMap::kLuminance);
+  index = builder.add_texture(layers);
+  if (map != TexelMap::kSquareRoot) return texture;
+  ProceduralTexture root{.pattern = PowerPattern{{Rgb::gray(1), builder.add_texture(texture)}, 0.5f}};
+  root.max = std::sqrt(texture.procedural->max);
+  return {.image = nullptr, .procedural = root};
 }
 
 TextureConverter::Image TextureConverter::with_signs(const Image& image, bool flip_red, bool flip_green) {

@@ -81,6 +81,7 @@ class TextureConverter {
   // Null after a warning.
   Image load(const Plugin& plugin, ColorSpace color_space);
   Image mapped(const Image& image, TexelMap map);
+  Texture mapped(Texture texture, TexelMap map);
   Image with_signs(const Image& image, bool flip_red, bool flip_green);
   // `make` returns the texels of an image derived from `image`, counted against the limits, once for each
   // key.

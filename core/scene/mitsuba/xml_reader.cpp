@@ -12,6 +12,7 @@
 
 #include "core/base/printable.hpp"
 #include "core/base/suggestion.hpp"
+#include "core/image/srgb.hpp"
 #include "core/scene/import/selection.hpp"
 #include "core/scene/mitsuba/graph_passes.hpp"
 #include "core/scene/mitsuba/line_index.hpp"
@@ -25,6 +26,15 @@ namespace {
 constexpr int kMaxIncludeDepth = 15;
 constexpr std::size_t kMaxFiles = 1000, kMaxNodes = std::size_t{1} << 24;
 constexpr std::size_t kMaxFolders = 100;
+
+// <srgb> is one of Mitsuba 0.x, as are colours like "#ff8000".
+std::optional<Rgb> read_color(std::string_view tag, std::string_view text) {
+  auto color = parse_hexadecimal(text);
+  if (!color) color = parse_triple(text);
+  if (!color) return std::nullopt;
+  const auto linear = [tag](float c) { return tag == "srgb" ? srgb_decode(static_cast<double>(c)) : c; };
+  return Rgb{linear(color->x), linear(color->y), linear(color->z)};
+}
 
 constexpr std::pair<std::string_view, Kind> kObjectTags[] = {
     {"scene", Kind::kScene},     {"shape", Kind::kShape},     {"bsdf", Kind::kBsdf},
@@ -260,8 +270,8 @@ Result<std::optional<Property::Value>> GraphReader::read_value(const Source& sou
     value = parse_boolean(text);
   } else if (tag == "string") {
     value = std::string(text);
-  } else if (tag == "rgb") {
-    if (const auto rgb = parse_triple(text)) value = Rgb{rgb->x, rgb->y, rgb->z};
+  } else if (tag == "rgb" || tag == "srgb") {
+    value = read_color(tag, text);
   } else if (tag == "point" || tag == "vector") {
     if (const auto vector = read_step("translate", attributes)) value = vector->origin;
   } else if (tag == "spectrum") {

@@ -118,7 +118,7 @@ Status EnvironmentMap::finish(SceneBuilder& builder) const {
   EnvironmentDescription environment;
   environment.radiance = {constant_, -1};
   if (!layers_.empty()) {
-    auto image = builder.image_pixels("the infinite light", equirectangular());
+    auto image = builder.image_pixels("the infinite light", size(), [&] { return equirectangular(); });
     if (!image) return fail(image.error());
     Texture texture;
     texture.image = std::move(*image);

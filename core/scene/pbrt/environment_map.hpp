@@ -31,6 +31,7 @@ class EnvironmentMap {
 
   // The sum of all, in the world's directions. There must be an image.
   TextureImage equirectangular() const;
+  TextureSize size() const { return {2 * height(), height()}; }  // of this image
   // Sets the environment of the scene, if there is one. RESOURCE_EXHAUSTED beyond the limits on textures.
   Status finish(SceneBuilder& builder) const;
 

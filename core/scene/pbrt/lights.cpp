@@ -196,7 +196,8 @@ Status Lights::add_goniometric(const Parameters& p, const Matrix& to_world) {
       mean_value = gray->mean().r;
       EnvironmentMap map;
       map.add_image(gray, *from_world, Rgb::gray(1));
-      auto pixels = builder_.image_pixels("the light of " + file, map.equirectangular());
+      auto pixels =
+          builder_.image_pixels("the light of " + file, map.size(), [&] { return map.equirectangular(); });
       if (!pixels) return fail(pixels.error());
       Texture texture;
       texture.image = std::move(*pixels);

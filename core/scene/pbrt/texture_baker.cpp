@@ -281,6 +281,9 @@ Result<ProceduralTexture> TextureBaker::pattern_of(const TextureNode& texture, c
                  [&](const PowerNode& n) {
                    made.pattern = PowerPattern{inputs[0], n.exponent};
                  },
+                 [&](const ProjectedNode& n) {
+                   made = {ProjectedPattern{inputs[0], n.projection}, PatternSpace::kPosition, n.transform};
+                 },
                  [](const auto&) { assert(false); },
              },
              texture.node);
@@ -293,8 +296,9 @@ Result<ColorParameter> TextureBaker::bake(const TexturePtr& texture, float limit
   const Domain domain = domain_of(needs);
   if (!domain.is_exact)
     report_.warn(place, "a texture combines images that repeat differently; their seams are in other places");
-  auto image = builder_.image_pixels(fmt::format("texture {}", converted_.size() + 1),
-                                     evaluated(*texture, domain, limit));
+  auto image =
+      builder_.image_pixels(fmt::format("texture {}", converted_.size() + 1), {domain.width, domain.height},
+                            [&] { return evaluated(*texture, domain, limit); });
   if (!image) return fail(image.error());
   const UvMapping mapping{{1 / domain.size.x, 1 / domain.size.y},
                           {-domain.origin.x / domain.size.x, -domain.origin.y / domain.size.y}};

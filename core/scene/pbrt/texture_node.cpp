@@ -63,7 +63,8 @@ TexturePtr constant_texture(Rgb value) {
 
 TexturePtr make_texture(const decltype(TextureNode::node)& node) {
   TextureNode made{node, 1};
-  made.has_patterns = std::holds_alternative<PatternNode>(node);
+  made.has_patterns =
+      std::holds_alternative<PatternNode>(node) || std::holds_alternative<ProjectedNode>(node);
   bool is_constant = !made.has_patterns && !std::holds_alternative<ImageNode>(node) &&
                      !std::holds_alternative<BilinearNode>(node);
   visit_children(made, [&](const TexturePtr& child) {
@@ -101,6 +102,7 @@ Rgb evaluate(const TextureNode& texture, Vec2 uv) {
           },
           [&](const MeanNode& n) { return Rgb::gray(mean(evaluate(*n.base, uv))); },
           [](const PatternNode&) { return Rgb{}; },
+          [](const ProjectedNode&) { return Rgb{}; },
       },
       texture.node);
 }

@@ -87,9 +87,16 @@ struct PatternNode {
   TexturePtr a{}, b{};
 };
 
+// `base` by other texture coordinates.
+struct ProjectedNode {
+  TexturePtr base;
+  Projection projection = Projection::kPlanar;
+  Transform transform{};  // from the world to the space of the projection
+};
+
 struct TextureNode {
   std::variant<ConstantNode, ImageNode, AffineNode, ProductNode, BlendNode, CheckerNode, BilinearNode,
-               PowerNode, MeanNode, PatternNode>
+               PowerNode, MeanNode, PatternNode, ProjectedNode>
       node;
   int weight = 1;             // the number of nodes that an evaluation visits
   bool has_patterns = false;  // in itself or its children

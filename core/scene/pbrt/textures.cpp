@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/math/frame.hpp"
 #include "core/scene/loader/wording.hpp"
 #include "core/scene/pbrt/files.hpp"
 
@@ -53,6 +54,18 @@ Transform without_negative_zeros(const Transform& t) {
   return {t.x_axis + kZero, t.y_axis + kZero, t.z_axis + kZero, t.origin + kZero};
 }
 
+std::string mapping_of(const Parameters& p) {
+  return p.choice("mapping", "uv", {"uv", "planar", "spherical", "cylindrical"});
+}
+
+Transform turned_to_z(Vec3 direction) {
+  const Frame frame = Frame::around(direction);
+  const auto column = [&](int axis) {
+    return Vec3{frame.tangent[axis], frame.bitangent[axis], frame.normal[axis]};
+  };
+  return {column(0), column(1), column(2), {}};
+}
+
 bool is_gray(const TextureImage& image) {
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x) {
@@ -90,7 +103,8 @@ Status Textures::define(const std::string& name, const std::string& type, const 
 Result<TexturePtr> Textures::make(const std::string& kind, const Parameters& p, Kind type,
                                   const Matrix& to_world) {
   if (kind == "constant") return constant_texture(value(p, "value", 1, type));
-  if (kind == "imagemap") return make_image(p, type);
+  if (auto flat = make_flat(kind, p, type); !flat || *flat)
+    return flat ? projected(*flat, p, to_world) : flat;
   if (kind == "scale") {
     // Version 3 called the factors tex1 and tex2.
     const bool is_old = !p.has("tex") && p.has("tex1");
@@ -100,16 +114,51 @@ Result<TexturePtr> Textures::make(const std::string& kind, const Parameters& p, 
     return constant != nullptr ? make_texture(AffineNode{base, *constant, {}})
                                : make_texture(ProductNode{base, factor});
   }
+  if (kind == "directionmix") return make_direction_mix(p, type, to_world);
   if (kind == "mix")
     return make_texture(
         BlendNode{input(p, "tex1", 0, type), input(p, "tex2", 1, type), number(p, "amount", 0.5f)});
+  if (const auto pattern = make_pattern(kind, p, type, to_world)) return pattern;
+  return make_unknown(kind, p);
+}
+
+Result<TexturePtr> Textures::make_flat(const std::string& kind, const Parameters& p, Kind type) {
+  if (kind == "imagemap") return make_image(p, type);
   if (kind == "bilerp")
     return make_texture(BilinearNode{value(p, "v00", 0, type), value(p, "v01", 1, type),
                                      value(p, "v10", 0, type), value(p, "v11", 1, type), mapping(p)});
   if (kind == "checkerboard" && p.integer("dimension", 2) == 2)
     return make_texture(CheckerNode{input(p, "tex1", 1, type), input(p, "tex2", 0, type), mapping(p)});
-  if (const auto pattern = make_pattern(kind, p, type, to_world)) return pattern;
-  return make_approximate(kind, p, type);
+  if (kind == "dots")
+    return make_texture(PatternNode{DotsPattern(), PatternSpace::kUv, map_of(mapping(p)),
+                                    input(p, "outside", 0, type), input(p, "inside", 1, type)});
+  return TexturePtr();
+}
+
+// The interpreter refuses transformations that flatten space.
+TexturePtr Textures::projected(const TexturePtr& flat, const Parameters& p, const Matrix& to_world) {
+  const std::string kind = mapping_of(p);
+  if (kind == "uv" || flat == nullptr || constant_of(flat) != nullptr) return flat;
+  Matrix from_world = inverse(to_world).value_or(Matrix());
+  ProjectedNode node{flat, kind == "spherical" ? Projection::kSpherical : Projection::kCylindrical};
+  if (kind == "planar") {
+    const Vec3 u = p.vector("v1", {1, 0, 0}), v = p.vector("v2", {0, 1, 0});
+    const auto row = [](Vec3 along, float offset) {
+      return std::array{static_cast<double>(along.x), static_cast<double>(along.y),
+                        static_cast<double>(along.z), static_cast<double>(offset)};
+    };
+    const auto offset = [&](std::string_view name) { return p.number_in(name, 0, -kMaxTiling, kMaxTiling); };
+    const Matrix plane{{row(u, offset("udelta")), row(v, offset("vdelta")), row(cross(u, v), 0)}};
+    if (!inverse(plane)) {
+      report_.warn(p.place(),
+                   "a planar mapping without a plane is not supported; texture coordinates are used");
+      return flat;
+    }
+    node.projection = Projection::kPlanar;
+    from_world = plane * from_world;
+  }
+  node.transform = without_negative_zeros(from_world.transform());
+  return make_texture(node);
 }
 
 TexturePtr Textures::make_pattern(const std::string& kind, const Parameters& p, Kind type,
@@ -139,9 +188,6 @@ TexturePtr Textures::make_pattern(const std::string& kind, const Parameters& p, 
     node.pattern = CheckerboardPattern();
     node.a = input(p, "tex1", 1, type);
     node.b = input(p, "tex2", 0, type);
-  } else if (kind == "dots") {
-    return make_texture(PatternNode{DotsPattern(), PatternSpace::kUv, map_of(mapping(p)),
-                                    input(p, "outside", 0, type), input(p, "inside", 1, type)});
   } else {
     return nullptr;
   }
@@ -150,17 +196,23 @@ TexturePtr Textures::make_pattern(const std::string& kind, const Parameters& p, 
   return make_texture(node);
 }
 
-// Textures that depend on the normal, as their mean.
-TexturePtr Textures::make_approximate(const std::string& kind, const Parameters& p, Kind type) {
-  TexturePtr a = constant_texture(kUnknownColor), b = a;
-  if (kind == "directionmix") {
-    p.find("dir");
-    a = input(p, "tex1", 0, type);
-    b = input(p, "tex2", 1, type);
-  }
-  const std::string text = fmt::format("the texture {} is not supported; its mean is used", in_quotes(kind));
+// The share of tex1 is the absolute value of the cosine between the geometric normal and the direction (Pharr
+// et al. 2023, section 10.5).
+TexturePtr Textures::make_direction_mix(const Parameters& p, Kind type, const Matrix& to_world) {
+  const TexturePtr along = input(p, "tex1", 0, type), across = input(p, "tex2", 1, type);
+  const Vec3 direction = normalize(to_world.direction(p.vector("dir", {0, 1, 0})));
+  PatternNode facing{FacingPattern(), PatternSpace::kNormal};
+  if (is_finite(direction))
+    facing.transform = without_negative_zeros(turned_to_z(direction));
+  else
+    p.remark("dir", "has no length; the z axis is used");
+  return make_texture(BlendNode{across, along, make_texture(facing)});
+}
+
+TexturePtr Textures::make_unknown(const std::string& kind, const Parameters& p) {
+  const std::string text = fmt::format("the texture {} is not supported; gray is used", in_quotes(kind));
   report_.warn(p.place(), text, text);
-  return make_texture(BlendNode{a, b, constant_texture(Rgb::gray(0.5f))});
+  return constant_texture(kUnknownColor);
 }
 
 Result<TexturePtr> Textures::make_image(const Parameters& p, Kind type) {
@@ -208,14 +260,9 @@ Result<TexturePtr> Textures::image(const Parameters& p, const std::string& file,
   return is_number && !is_gray(*node.image) ? make_texture(MeanNode{texture}) : texture;
 }
 
+// Only the mapping "uv" has it.
 UvMapping Textures::mapping(const Parameters& p) {
-  const std::string kind = p.text("mapping", "uv");
-  if (kind != "uv") {
-    p.find("v1"), p.find("v2");
-    report_.warn(p.place(),
-                 fmt::format("the texture mapping {} is not supported; texture coordinates are used",
-                             in_quotes(kind)));
-  }
+  if (mapping_of(p) != "uv") return {};
   const auto finite = [&](std::string_view name, float otherwise) {
     return p.number_in(name, otherwise, -kMaxTiling, kMaxTiling);
   };

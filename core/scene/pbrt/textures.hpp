@@ -39,10 +39,15 @@ class Textures {
   enum class Kind { kNumber, kColor };
 
   Result<TexturePtr> make(const std::string& kind, const Parameters& p, Kind type, const Matrix& to_world);
+  // By texture coordinates; null for other kinds.
+  Result<TexturePtr> make_flat(const std::string& kind, const Parameters& p, Kind type);
+  // By coordinates in space, if the mapping is none of texture coordinates.
+  TexturePtr projected(const TexturePtr& flat, const Parameters& p, const Matrix& to_world);
   // Null for other kinds.
   TexturePtr make_pattern(const std::string& kind, const Parameters& p, Kind type, const Matrix& to_world);
   Result<TexturePtr> make_image(const Parameters& p, Kind type);
-  TexturePtr make_approximate(const std::string& kind, const Parameters& p, Kind type);
+  TexturePtr make_direction_mix(const Parameters& p, Kind type, const Matrix& to_world);
+  TexturePtr make_unknown(const std::string& kind, const Parameters& p);
   // A parameter of a texture, which is of the texture's type.
   TexturePtr input(const Parameters& p, std::string_view name, float otherwise, Kind type);
   Rgb value(const Parameters& p, std::string_view name, float otherwise, Kind type);

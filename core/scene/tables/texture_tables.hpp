@@ -17,7 +17,12 @@ inline constexpr Domain kPatternFactor{.range = kPatternRange};
 inline constexpr Domain kPatternExponent{.range = {.min = 0, .max = 100}};
 inline constexpr Domain kOctaves{.range = {.min = 1, .max = double{kMaxNoiseOctaves}}, .values = "1 to 32"};
 inline constexpr Domain kOctaveHeight{.range = {.min = 0, .max = 10}};
+inline constexpr Domain kProjection = words(scene_keys::kProjections);
 inline constexpr Domain kPatternSpace = words(scene_keys::kPatternSpaces);
+inline constexpr Domain kGridLayers{.range = {.min = 1, .max = double{kMaxGridLayers}},
+                                    .values = "1 to 16384"};
+inline constexpr Domain kGridWrap = words(scene_keys::kWraps);
+inline constexpr Domain kGridTexelFilter = words(scene_keys::kTextureFilters);
 inline constexpr Domain kUvSet = words(scene_keys::kUvSets);
 }  // namespace domains
 
@@ -73,11 +78,34 @@ inline constexpr auto kKeys<PowerPattern> = std::tuple{
     Key{"base", &PowerPattern::base, domains::kPatternColor, "the base; what is negative counts as 0"},
     Key{"exponent", &PowerPattern::exponent, domains::kPatternExponent, "the exponent"}};
 
+template <>
+inline constexpr auto kKeys<FacingPattern> = std::tuple{};
+
+template <>
+inline constexpr auto kKeys<GridPattern> =
+    std::tuple{Key{"layers", &GridPattern::layers, domains::kPatternColor,
+                   "an image of the layers of equal z, side by side from the top left, row by row"},
+               Key{"depth", &GridPattern::depth, domains::kGridLayers, "the number of layers"},
+               Key{"columns", &GridPattern::columns, domains::kGridLayers,
+                   "how many layers stand side by side; the image has as many rows of them as are needed"},
+               Key{"wrap", &GridPattern::wrap, domains::kGridWrap,
+                   "beyond the cube: the grid again, its faces, or the grid mirrored at each face"},
+               Key{"filter", &GridPattern::filter, domains::kGridTexelFilter,
+                   "between the centres of voxels: interpolation, or the value of the nearest one"}};
+
+template <>
+inline constexpr auto kKeys<ProjectedPattern> = std::tuple{
+    Key{"base", &ProjectedPattern::base, domains::kPatternColor, "the texture that is projected"},
+    Key{"projection", &ProjectedPattern::projection, domains::kProjection,
+        "what becomes u and v: x and y; the angle from +z over 180 degrees, and that about +z from +x "
+        "over 360 degrees; or the angle about +z from -x over 360 degrees, and z"}};
+
 // What all of them have.
 template <>
 inline constexpr auto kKeys<ProceduralTexture> = std::tuple{
     Key{"coordinates", &ProceduralTexture::space, domains::kPatternSpace,
-        "what the pattern is a function of: the point in the world, or the texture coordinates (u, v, 0)"},
+        "what the pattern is a function of: the point in the world, the texture coordinates (u, v, 0), or "
+        "the unit normal of the surface, as it is without interpolation and maps"},
     OtherKey{
         "transform",
         domains::kTransform,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Procedural textures: noise and patterns against their definitions, lanes against scalars, and their keys.
 #include <gmock/gmock.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <array>
@@ -146,6 +147,110 @@ TEST(Patterns, CombineOthers) {
   EXPECT_FLOAT_EQ(pattern_at(mix, {}, all).r, -0.75f + 9.0f / 4);
 }
 
+TEST(Patterns, FacingIsTheCosineToTheAxis) {
+  Texture facing = pattern_texture(FacingPattern());
+  facing.procedural->space = PatternSpace::kNormal;
+  EXPECT_FLOAT_EQ(facing.evaluate_unclamped({}, {UvSets(), {5, 5, 5}, {0.6f, 0, -0.8f}}).r, 0.8f);
+}
+
+// Two layers of 3 x 2 voxels in a column: 10 z + x + 0.1 y at each of them.
+std::vector<Texture> grid_of_layers(Wrap wrap, TextureFilter filter) {
+  std::vector<float> voxels;
+  for (int row = 0; row < 4; ++row)
+    for (int x = 0; x < 3; ++x)
+      voxels.insert(
+          voxels.end(), 3,
+          10 * static_cast<float>(row / 2) + static_cast<float>(x) + 0.1f * static_cast<float>(row % 2));
+  std::vector<Texture> all{{.image = std::make_shared<TextureImage>(3, 4, std::move(voxels))}};
+  all.push_back(pattern_texture(GridPattern{{Rgb::gray(2), 0}, 2, 1, wrap, filter}, 100));
+  return all;
+}
+
+TEST(Patterns, GridsAreTrilinearBetweenVoxels) {
+  const auto all = grid_of_layers(Wrap::kClamp, TextureFilter::kLinear);
+  EXPECT_FLOAT_EQ(pattern_at(all[1], {0.5f, 0.25f, 0.25f}, all).r, 2 * 1.0f);
+  EXPECT_FLOAT_EQ(pattern_at(all[1], {2.0f / 3, 0.5f, 0.5f}, all).r, 2 * (5 + 1.5f + 0.05f));
+  // Beyond the outermost centres, and the cube.
+  EXPECT_FLOAT_EQ(pattern_at(all[1], {0, 0, 0}, all).r, 0);
+  EXPECT_FLOAT_EQ(pattern_at(all[1], {9, 9, 9}, all).r, 2 * 12.1f);
+  EXPECT_FLOAT_EQ(pattern_at(all[1], {-9, 3e38f, -3e38f}, all).r, 2 * 0.1f);
+}
+
+TEST(Patterns, GridsRepeatOrAreMirrored) {
+  const auto repeated = grid_of_layers(Wrap::kRepeat, TextureFilter::kNearest),
+             mirrored = grid_of_layers(Wrap::kMirror, TextureFilter::kNearest),
+             smooth = grid_of_layers(Wrap::kRepeat, TextureFilter::kLinear);
+  EXPECT_FLOAT_EQ(pattern_at(repeated[1], {1.2f, -0.1f, 2.9f}, repeated).r, 2 * 10.1f);
+  EXPECT_FLOAT_EQ(pattern_at(mirrored[1], {1.2f, -0.1f, 2.9f}, mirrored).r, 2 * 12.0f);
+  EXPECT_FLOAT_EQ(pattern_at(smooth[1], {1, 0.25f, 0.25f}, smooth).r, 2 * 1.0f);  // between voxels 2 and 0
+}
+
+// Layers beside each other are those of a column.
+TEST(Patterns, GridsMayHaveColumnsOfLayers) {
+  const std::vector<Texture> all{
+      {.image = std::make_shared<TextureImage>(2, 2, std::vector<float>{0, 0, 0, 1, 1, 1, 2, 2, 2, 9, 9, 9})},
+      pattern_texture(GridPattern{{Rgb::gray(1), 0}, 3, 2, Wrap::kClamp, TextureFilter::kNearest}, 100)};
+  for (const float layer : {0.0f, 1.0f, 2.0f})
+    EXPECT_EQ(pattern_at(all[1], {0.5f, 0.5f, (layer + 0.5f) / 3}, all).r, layer);
+}
+
+// The texture coordinates that a projection gives to a point: of an image of a ramp along one of them.
+Vec2 projected(Projection projection, Vec3 p) {
+  const auto along = [&](bool is_v) {
+    std::vector<float> ramp;
+    for (int i = 0; i < 4096; ++i)
+      ramp.insert(ramp.end(), 3, (static_cast<float>(is_v ? 4095 - i : i) + 0.5f) / 4096);
+    const std::vector<Texture> all{
+        {.image = std::make_shared<TextureImage>(is_v ? 1 : 4096, is_v ? 4096 : 1, std::move(ramp))},
+        pattern_texture(ProjectedPattern{{Rgb::gray(1), 0}, projection})};
+    return pattern_at(all[1], p, all).r;
+  };
+  return {along(false), along(true)};
+}
+
+TEST(Patterns, ProjectionsGiveTextureCoordinatesToSpace) {
+  const auto expect = [](Vec2 got, Vec2 wanted) {
+    EXPECT_NEAR(got.x, wanted.x, 2e-4f);
+    EXPECT_NEAR(got.y, wanted.y, 2e-4f);
+  };
+  expect(projected(Projection::kPlanar, {0.3f, 1.7f, 9}), {0.3f, 0.7f});
+  expect(projected(Projection::kSpherical, {0, 2, 0}), {0.5f, 0.25f});
+  expect(projected(Projection::kSpherical, {-1, -1, std::sqrt(2.0f)}), {0.25f, 0.625f});
+  expect(projected(Projection::kCylindrical, {3, 0, 0.2f}), {0.5f, 0.2f});
+  expect(projected(Projection::kCylindrical, {0, -1, 5.9f}), {0.25f, 0.9f});
+}
+
+// As deep as textures may refer to each other, on a stack of a thread that is smaller than usual.
+TEST(Patterns, ChainsOfTexturesFitOnTheStack) {
+  std::vector<Texture> all{pattern_texture(FbmPattern())};
+  while (static_cast<int>(all.size()) < kMaxTextureWeight) {
+    const int last = static_cast<int>(all.size()) - 1;
+    all.push_back(pattern_texture(MixPattern{{Rgb::gray(1), -1}, {Rgb::gray(1), last}, 0.999f}));
+  }
+  struct Work {
+    const std::vector<Texture>& all;
+    Rgb one{};
+    RgbOf<FloatN> lanes{};
+  } work{all};
+  const auto evaluate_last = [](void* given) -> void* {
+    auto& [textures, one, lanes] = *static_cast<Work*>(given);
+    one = textures.back().evaluate_procedural(textures, {UvSets(), {0.3f, 0.4f, 0.5f}});
+    lanes = textures.back().evaluate_procedural(
+        textures, TexturePointOf<FloatN>(UvSetsOf<FloatN>(), {FloatN(0.3f), FloatN(0.4f), FloatN(0.5f)}));
+    return nullptr;
+  };
+  constexpr std::size_t kStackBytes = std::size_t{2} << 20;
+  pthread_attr_t small;
+  ASSERT_EQ(pthread_attr_init(&small), 0);
+  ASSERT_EQ(pthread_attr_setstacksize(&small, kStackBytes), 0);
+  pthread_t thread{};
+  ASSERT_EQ(pthread_create(&thread, &small, evaluate_last, &work), 0);
+  ASSERT_EQ(pthread_join(thread, nullptr), 0);
+  pthread_attr_destroy(&small);
+  EXPECT_EQ(RgbLanes(work.lanes)[0], work.one);
+  EXPECT_GT(work.one.r, 0);
+}
+
 std::vector<Texture> one_of_each() {
   std::vector<Texture> all{{.image = std::make_shared<TextureImage>(2, 2, std::vector<float>(12, 0.3f))},
                            pattern_texture(FbmPattern{5, 0.6f}),
@@ -156,7 +261,11 @@ std::vector<Texture> one_of_each() {
                            pattern_texture(CheckerboardPattern{{Rgb::gray(1), 1}, {Rgb::gray(1), 5}}),
                            pattern_texture(MixPattern{{Rgb::gray(1), 4}, {Rgb{1, 0, 0}, -1}, {1, 2}}),
                            pattern_texture(ProductPattern{{Rgb::gray(1), 3}, {Rgb{1, 2, 3}, 7}}, 5),
-                           pattern_texture(PowerPattern{{Rgb::gray(1), 1}, 0.25f})};
+                           pattern_texture(PowerPattern{{Rgb::gray(1), 1}, 0.25f}),
+                           pattern_texture(FacingPattern()),
+                           pattern_texture(GridPattern{{Rgb{1, 2, 3}, 0}, 3, 2, Wrap::kMirror}),
+                           pattern_texture(ProjectedPattern{{Rgb::gray(1), 6}, Projection::kSpherical})};
+  all[10].procedural->space = PatternSpace::kNormal;
   all[1].procedural->transform = compose(rotation({1, 2, 3}, 40), scaling({2, 3, 4}));
   all[5].procedural->space = PatternSpace::kUv;
   all[5].procedural->transform = scaling({7, 5, 1});
@@ -182,7 +291,7 @@ TEST(Patterns, LanesHaveTheBitsOfScalars) {
     std::array<const ScalarParameter*, kLaneCount> number_pointers{};
     std::array<TexturePoint, kLaneCount> points;
     FloatLanes u, v, second_u, second_v;
-    Vec3Lanes position;
+    Vec3Lanes position, normal;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       const int texture = static_cast<int>(random() % (all.size() + 1)) - 1;
       colors[lane] = {{0.5f, 0.6f, 0.7f}, i % 3 == 0 ? 8 : texture};
@@ -190,14 +299,16 @@ TEST(Patterns, LanesHaveTheBitsOfScalars) {
       pointers[lane] = &colors[lane];
       number_pointers[lane] = &numbers[lane];
       points[lane] = {UvSets({coordinate(random), coordinate(random)}, {coordinate(random), 0.25f}),
-                      {coordinate(random), coordinate(random), coordinate(random)}};
+                      {coordinate(random), coordinate(random), coordinate(random)},
+                      {usual(random), usual(random), usual(random)}};
       u.set(lane, points[lane].uv.first.x), v.set(lane, points[lane].uv.first.y);
       second_u.set(lane, points[lane].uv.second.x), second_v.set(lane, points[lane].uv.second.y);
-      position.set(lane, points[lane].position);
+      position.set(lane, points[lane].position), normal.set(lane, points[lane].normal);
     }
     using Uv = Vec2Of<FloatN>;
     const TexturePointOf<FloatN> together(
-        UvSetsOf<FloatN>(Uv{u.all(), v.all()}, Uv{second_u.all(), second_v.all()}), position.all());
+        UvSetsOf<FloatN>(Uv{u.all(), v.all()}, Uv{second_u.all(), second_v.all()}), position.all(),
+        normal.all());
     const RgbLanes in_lanes(evaluate(pointers, all, together));
     const FloatLanes numbers_in_lanes(evaluate(number_pointers, all, together));
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
@@ -247,6 +358,18 @@ TEST(ProceduralKeys, MistakesAreTold) {
   EXPECT_THAT(mistake_of_textures(R"("t": {"type": "mix", "amount": {"keyframes": [{"frame": 0, "value": 0},
                                                                         {"frame": 9, "value": 1}]}})"),
               HasSubstr("cannot be animated"));
+}
+
+TEST(ProceduralKeys, GridsNeedImagesOfWholeLayers) {
+  auto scene =
+      scene_of_textures(R"("w": {"type": "windy"}, "t": {"type": "grid", "layers": {"texture": "w"}})");
+  ASSERT_TRUE(scene.has_value()) << scene.error().message;
+  EXPECT_THAT(validate_scene(*scene).error().message, HasSubstr("layers: the texture must be an image"));
+  scene->textures.at(0) = {.image = std::make_shared<TextureImage>(4, 6, std::vector<float>(72, 0.5f))};
+  EXPECT_TRUE(validate_scene(*scene).has_value());
+  std::get<GridPattern>(scene->textures.at(1).procedural->pattern).depth = 4;
+  EXPECT_THAT(validate_scene(*scene).error().message,
+              HasSubstr("4 x 6 cannot be divided into 1 columns and 4 rows"));
 }
 
 TEST(ProceduralKeys, NormalMapsNeedImages) {

@@ -326,15 +326,31 @@ TEST(MitsubaTexture, VolumesOfAConstantAreThat) {
     const SceneDescription scene = scene_of(
         "<shape type=\"rectangle\"><bsdf type=\"diffuse\"><texture type=\"volume\" name=\"reflectance\">" +
         volume + "</texture></bsdf></shape>");
-    const bool is_grid = volume.find("gridvolume") != std::string::npos;
-    EXPECT_EQ(warnings_of(scene).find("grids are supported in media only") != std::string::npos, is_grid);
     return std::get<Lambert>(scene.materials.at(0).model).albedo.value;
   };
   EXPECT_EQ(reflectance("<rgb name=\"volume\" value=\"0.25 0.5 0.75\"/>"), (Rgb{0.25f, 0.5f, 0.75f}));
   EXPECT_EQ(reflectance("<volume type=\"constvolume\" name=\"volume\"><float name=\"value\" "
                         "value=\"0.25\"/></volume>"),
             Rgb::gray(0.25f));
-  EXPECT_EQ(reflectance("<volume type=\"gridvolume\" name=\"volume\"/>"), Rgb::gray(0.5f));
+}
+
+TEST(MitsubaTexture, ColorsMayBeHexadecimalOrRaw) {
+  const auto reflectance = [](const std::string& inside) {
+    return std::get<Lambert>(material_of("<bsdf type=\"diffuse\">" + inside + "</bsdf>").model).albedo;
+  };
+  EXPECT_EQ(reflectance("<rgb name=\"reflectance\" value=\"#ff3300\"/>").value, (Rgb{1, 0.2f, 0}));
+  EXPECT_EQ(reflectance("<srgb name=\"reflectance\" value=\"#ff0000\"/>").value, (Rgb{1, 0, 0}));
+  EXPECT_NEAR(reflectance("<srgb name=\"reflectance\" value=\"0.5 0 1\"/>").value.r, 0.21404f, 1e-5f);
+  EXPECT_EQ(reflectance("<texture name=\"reflectance\" type=\"rawconstant\">"
+                        "<rgb name=\"value\" value=\"0.2 0.3 0.4\"/></texture>")
+                .value,
+            (Rgb{0.2f, 0.3f, 0.4f}));
+}
+
+TEST(MitsubaEmitter, DirectionalAreasEmitTheirPowerInAllDirections) {
+  const Material lamp =
+      material_of("<emitter type=\"directionalarea\"><rgb name=\"radiance\" value=\"6.2831853\"/></emitter>");
+  EXPECT_NEAR(lamp.emission.value.g, 2, 1e-6f);
 }
 
 // Mitsuba's checkerboard returns the other colour where a number is looked up.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The media of Mitsuba scenes with grids.
+// Grid volumes of Mitsuba scenes: media and textures.
 #include <gmock/gmock.h>
 
 #include <array>
@@ -21,12 +21,12 @@ void append_word(std::string& bytes, std::uint32_t word) {
   for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<char>(word >> (8 * i)));
 }
 
-// A grid volume file of one channel.
-std::string volume_file(std::array<std::uint32_t, 3> size, const std::vector<float>& values) {
+std::string volume_file(std::array<std::uint32_t, 3> size, const std::vector<float>& values,
+                        std::uint32_t channels = 1) {
   std::string bytes = "VOL\3";
   append_word(bytes, 1);
   for (const std::uint32_t side : size) append_word(bytes, side);
-  append_word(bytes, 1);
+  append_word(bytes, channels);
   bytes.append(24, '\0');  // bounds
   const std::size_t header = bytes.size();
   bytes.resize(header + values.size() * sizeof(float));
@@ -132,6 +132,65 @@ TEST(MitsubaMedia, EmitByTheirShapesVolumeLights) {
   const SceneDescription without =
       scene_of("<shape type=\"cube\"><emitter type=\"volumelight\">" + radiance + "</emitter></shape>");
   EXPECT_THAT(warnings_of(without), HasSubstr("needs a medium inside of its shape"));
+}
+
+// A plastic in the colours of a grid.
+SceneDescription in_volume(const std::string& inside, const MemoryAssets::Files& files,
+                           const std::string& name) {
+  return scene_of("<shape type=\"rectangle\"><bsdf type=\"roughplastic\"><texture type=\"volume\" name=\"" +
+                      name + "\">" + grid("volume", "t.vol", inside) + "</texture></bsdf></shape>",
+                  files);
+}
+
+Rgb color_at(const SceneDescription& scene, Vec3 position) {
+  const auto& plastic = std::get<Plastic>(scene.materials.at(0).model);
+  return plastic.diffuse.evaluate(scene.textures, {UvSets(), position});
+}
+
+TEST(MitsubaGridTexture, LiesInTheWorld) {
+  const MemoryAssets::Files files{
+      {"t.vol", volume_file({2, 1, 2}, {1, 0, 0, 0, 1, 0, 0, 0, 1, 0.5f, 0.5f, 0.5f}, 3)}};
+  const SceneDescription scene =
+      in_volume("<transform name=\"to_world\"><scale value=\"4\"/><translate x=\"10\"/></transform>", files,
+                "diffuse_reflectance");
+  EXPECT_EQ(warnings_of(scene), "");
+  EXPECT_EQ(color_at(scene, {11, 0, 1}), (Rgb{1, 0, 0}));
+  EXPECT_EQ(color_at(scene, {13, 3, 1}), (Rgb{0, 1, 0}));
+  EXPECT_EQ(color_at(scene, {13, 3, 3}), Rgb::gray(0.5f));
+  EXPECT_EQ(color_at(scene, {12, 0, 1}), (Rgb{0.5f, 0.5f, 0}));
+  EXPECT_EQ(color_at(scene, {-100, 0, 100}), (Rgb{0, 0, 1}));
+}
+
+TEST(MitsubaGridTexture, MayRepeatWithoutInterpolation) {
+  const SceneDescription scene = in_volume(
+      "<string name=\"wrap_mode\" value=\"repeat\"/><string name=\"filter_type\" value=\"nearest\"/>",
+      {{"t.vol", volume_file({4, 1, 1}, {0, 0.25f, 0.5f, 0.75f})}}, "diffuse_reflectance");
+  EXPECT_EQ(warnings_of(scene), "");
+  EXPECT_EQ(color_at(scene, {-0.1f, 5, 5}), Rgb::gray(0.75f));
+  EXPECT_EQ(color_at(scene, {2.3f, 5, 5}), Rgb::gray(0.25f));
+}
+
+// Ours is the square root of the interpolated alpha.
+TEST(MitsubaGridTexture, OfAlphaIsRoughness) {
+  const SceneDescription scene = in_volume("", {{"t.vol", volume_file({2, 1, 1}, {0.04f, 0.28f})}}, "alpha");
+  const auto& plastic = std::get<Plastic>(scene.materials.at(0).model);
+  EXPECT_FLOAT_EQ(plastic.roughness.evaluate(scene.textures, {UvSets(), {0.5f, 0, 0}}), 0.4f);
+}
+
+TEST(MitsubaGridTexture, WithoutAFileIsTold) {
+  const SceneDescription scene = in_volume("", {}, "diffuse_reflectance");
+  EXPECT_THAT(warnings_of(scene), HasSubstr("'t.vol' does not exist"));
+  EXPECT_THAT(warnings_of(scene), HasSubstr("the constant 0.5 replaces it"));
+  EXPECT_EQ(color_at(scene, {}), Rgb::gray(0.5f));
+}
+
+TEST(MitsubaGridTexture, OfLightsIsItsMean) {
+  const SceneDescription scene =
+      scene_of("<emitter type=\"point\"><texture type=\"volume\" name=\"intensity\">" +
+                   grid("volume", "t.vol") + "</texture></emitter>",
+               {{"t.vol", volume_file({1, 1, 1}, {3})}});
+  EXPECT_THAT(warnings_of(scene), HasSubstr("the mean replaces the texture of 'intensity'"));
+  EXPECT_NEAR(std::get<PointLightDescription>(scene.lights.at(0)).intensity.r, 3, 1e-4f);
 }
 
 }  // namespace

@@ -318,6 +318,18 @@ TEST(MitsubaMotion, OfInstancesIsSeenWhileTheShutterIsOpen) {
   near(9, {1, 0, 0}, {6, 4, 0});
 }
 
+// Mitsuba's instances have a parameter of this name, too.
+TEST(MitsubaMotion, OfInstancesMayBeCalledAnimation) {
+  const SceneDescription scene = scene_of(
+      "<shape type=\"shapegroup\" id=\"g\"><shape type=\"sphere\"/></shape>"
+      "<shape type=\"instance\"><ref id=\"g\"/><animation name=\"animation\"><transform time=\"0\">"
+      "<translate x=\"-2\"/></transform><transform time=\"1\"><translate x=\"2\"/></transform></animation>"
+      "</shape>");
+  EXPECT_EQ(warnings_of(scene), "");
+  ASSERT_EQ(scene.animation.instances.size(), 1u);
+  EXPECT_LT(length(transform_at(scene.animation.instances[0].steps, 0.75f).origin - Vec3{1, 0, 0}), 1e-5f);
+}
+
 TEST(MitsubaMotion, OfTheSensorIsThatOfTheCamera) {
   const SceneDescription scene =
       scene_of("<sensor type=\"perspective\"><float name=\"shutter_close\" value=\"2\"/>" +

@@ -149,8 +149,8 @@ TEST(PbrtTextures, WhatIsMissingIsGray) {
   EXPECT_EQ(surface.parameter().value, Rgb::gray(0.5f));
   EXPECT_THAT(warnings_of(surface.scene()), HasSubstr("scene.pbrt:2: the image 'gone.png' does not exist"));
   EXPECT_THAT(warnings_of(Reflectance("").scene()), HasSubstr("scene.pbrt:3: there is no texture 't'"));
-  EXPECT_THAT(warnings_of(Reflectance("Texture \"t\" \"spectrum\" \"directionmix\"").scene()),
-              HasSubstr("the texture 'directionmix' is not supported; its mean is used"));
+  EXPECT_THAT(warnings_of(Reflectance("Texture \"t\" \"spectrum\" \"ptex\"").scene()),
+              HasSubstr("the texture 'ptex' is not supported; gray is used"));
 }
 
 const ProceduralTexture& pattern_of(const Reflectance& surface) {
@@ -193,6 +193,52 @@ TEST(PbrtTextures, PatternsMayHaveTexturesAndBePartsOfOthers) {
   EXPECT_EQ(std::get<DotsPattern>(dots.pattern).outside.value, (Rgb{0, 0, 1}));
   const int image = std::get<DotsPattern>(dots.pattern).inside.texture;
   EXPECT_NE(textures.at(static_cast<std::size_t>(image)).image, nullptr);
+}
+
+// The first where the surface faces the direction, which is one of the space of the texture.
+TEST(PbrtTextures, DirectionsOfSurfacesMixTextures) {
+  const Reflectance surface(
+      "Rotate 90 0 0 1\n"
+      "Texture \"t\" \"spectrum\" \"directionmix\" \"rgb tex1\" [1 0 0] \"rgb tex2\" [0 0 1] "
+      "\"vector3 dir\" [0 -2 0] Identity");
+  EXPECT_EQ(warnings_of(surface.scene()), "");
+  const auto& textures = surface.scene().textures;
+  const Texture& mix = textures.at(static_cast<std::size_t>(surface.parameter().texture));
+  const auto facing = [&](Vec3 normal) { return mix.evaluate_procedural(textures, {UvSets(), {}, normal}); };
+  EXPECT_NEAR(facing({1, 0, 0}).r, 1, 1e-6f);
+  EXPECT_NEAR(facing({-1, 0, 0}).b, 0, 1e-6f);
+  EXPECT_NEAR(facing({0, 0.8f, 0.6f}).b, 1, 1e-6f);
+  EXPECT_NEAR(facing({0.6f, 0.8f, 0}).r, 0.6f, 1e-6f);
+  EXPECT_THAT(
+      warnings_of(Reflectance("Texture \"t\" \"spectrum\" \"directionmix\" \"vector3 dir\" [0 0 0]").scene()),
+      HasSubstr("has no length; the z axis is used"));
+}
+
+TEST(PbrtTextures, MappingsMayLieInSpace) {
+  const auto projection = [](const std::string& mapping) {
+    const Reflectance surface(
+        "Translate 0 1 0 Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" " + mapping +
+        " Identity");
+    EXPECT_EQ(warnings_of(surface.scene()), "");
+    const ProceduralTexture& made = pattern_of(surface);
+    EXPECT_EQ(made.space, PatternSpace::kPosition);
+    return std::pair(std::get<ProjectedPattern>(made.pattern).projection, made.transform);
+  };
+  EXPECT_EQ(projection("\"spherical\""), std::pair(Projection::kSpherical, translation({0, -1, 0})));
+  EXPECT_EQ(projection("\"cylindrical\""), std::pair(Projection::kCylindrical, translation({0, -1, 0})));
+  const auto [kind, plane] =
+      projection("\"planar\" \"vector3 v1\" [2 0 0] \"vector3 v2\" [0 0 -4] \"float udelta\" 0.5");
+  EXPECT_EQ(kind, Projection::kPlanar);
+  EXPECT_EQ(plane.point({3, 7, 1}).x, 6.5f);
+  EXPECT_EQ(plane.point({3, 7, 1}).y, -4);
+  EXPECT_THAT(warnings_of(Reflectance("Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" "
+                                      "\"planar\" \"vector3 v1\" [0 0 0]")
+                              .scene()),
+              HasSubstr("a planar mapping without a plane"));
+  EXPECT_THAT(
+      warnings_of(
+          Reflectance("Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"polar\"").scene()),
+      HasSubstr("'polar', which is not known; 'uv' is used"));
 }
 
 // Checkerboards of texture coordinates alone stay images.
