@@ -99,12 +99,12 @@ std::size_t ours_closest_batched(const Primitives& primitives, const accel::Bvh&
 std::size_t ours_any_batched(const Primitives& primitives, const accel::Bvh& bvh,
                              const std::vector<Ray>& rays) {
   const Columns<Ray> columns{std::span(rays)};
-  std::array<std::uint8_t, kBatch> answers;
+  std::array<accel::Occlusion, kBatch> answers;
   std::size_t hits = 0;
   for (std::size_t i = 0; i < rays.size(); i += kBatch) {
     const std::size_t count = std::min(kBatch, rays.size() - i);
-    bvh.any_hits(primitives, columns.all().rows(i, count), {answers.data(), count});
-    for (std::size_t k = 0; k < count; ++k) hits += answers[k];
+    bvh.occlusions(primitives, columns.all().rows(i, count), {answers.data(), count});
+    for (std::size_t k = 0; k < count; ++k) hits += answers[k] != accel::Occlusion::kNone;
   }
   return hits;
 }

@@ -77,9 +77,9 @@ void growth_bounce_batched(benchmark::State& state) {
   closest_in_batches(state, &RaySets::bounce);
 }
 void growth_shadow_batched(benchmark::State& state) {
-  trace(state, &RaySets::shadow, kBatch, std::vector<std::uint8_t>(kBatch),
-        [](const Fixture& f, ColumnsView<const Ray> rays, std::vector<std::uint8_t>& occluded) {
-          f.bvh.any_hits(f.primitives, rays, std::span(occluded).first(rays.size()));
+  trace(state, &RaySets::shadow, kBatch, std::vector<accel::Occlusion>(kBatch),
+        [](const Fixture& f, ColumnsView<const Ray> rays, std::vector<accel::Occlusion>& occluded) {
+          f.bvh.occlusions(f.primitives, rays, std::span(occluded).first(rays.size()));
           benchmark::DoNotOptimize(occluded.data());
         });
 }

@@ -104,12 +104,12 @@ std::size_t closest_in_batches(const Level& level, const std::vector<Ray>& rays)
 
 std::size_t any_in_batches(const Level& level, const std::vector<Ray>& rays) {
   const Columns<Ray> columns{std::span(rays)};
-  std::array<std::uint8_t, kBatch> answers;
+  std::array<accel::Occlusion, kBatch> answers;
   std::size_t hits = 0;
   for (std::size_t i = 0; i < rays.size(); i += kBatch) {
     const std::size_t count = std::min(kBatch, rays.size() - i);
-    level.bvh.any_hits(level.primitives, columns.all().rows(i, count), {answers.data(), count});
-    for (std::size_t k = 0; k < count; ++k) hits += answers[k];
+    level.bvh.occlusions(level.primitives, columns.all().rows(i, count), {answers.data(), count});
+    for (std::size_t k = 0; k < count; ++k) hits += answers[k] != accel::Occlusion::kNone;
   }
   return hits;
 }

@@ -108,7 +108,8 @@ Estimate estimate(const Scene& scene, const std::vector<integrators::PathVertex>
           sample_light(scene.lights()[choice.light], scene.textures(), vertex.light_context(), {u[0], u[1]});
       if (!light) continue;
       const Rgb scattered = vertex.evaluate(light->wi).value;
-      if (is_black(scattered) || scene.bvh().any_hit(scene.primitives(), vertex.ray_toward(*light))) continue;
+      if (is_black(scattered) || scene.occlusion(vertex.ray_toward(*light)) != accel::Occlusion::kNone)
+        continue;
       const auto value = static_cast<double>(mean(scattered * light->radiance) / (choice.pmf * light->pdf));
       sums[v] += value;
       squares[v] += value * value;
@@ -144,7 +145,7 @@ std::vector<integrators::PathVertex> visible_vertices(const Scene& scene) {
     for (int x = 0; x < kSidePx; ++x) {
       const Ray ray = scene.camera().ray({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f},
                                          kSidePx, kSidePx, {0.5f, 0.5f});
-      const Hit hit = scene.bvh().closest_hit(scene.primitives(), ray);
+      const Hit hit = scene.closest_hit(ray);
       if (hit.found() && scene.light_of(hit) == lights::kNoLight) vertices.emplace_back(scene, ray, hit);
     }
   return vertices;

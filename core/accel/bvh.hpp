@@ -12,12 +12,20 @@
 #include <vector>
 
 #include "core/accel/bvh_layout.hpp"
+#include "core/accel/hit_opacity.hpp"
 #include "core/accel/huge_pages.hpp"
 #include "core/geometry/primitives.hpp"
 #include "core/geometry/ray.hpp"
 #include "core/math/columns.hpp"
 
 namespace tessera::core::accel {
+
+// What is on a ray.
+enum class Occlusion : std::uint8_t {
+  kNone,
+  kFull,    // what stops every ray
+  kPartial  // only surfaces of Opacity::kPartial
+};
 
 // The work of tracing rays, independent of the machine.
 struct VisitCounts {
@@ -46,22 +54,32 @@ class Bvh {
   static Bvh build(const Primitives& primitives, int threads);
 
   // Builds the scene's own tree again, after instances have moved or meshes have deformed, and those of
-  // objects with meshes that deform. The other trees stay.
+  // objects with meshes that deform. The other trees stay. All that was built is opaque.
   void rebuild(const Primitives& primitives, int threads);
 
-  // The nearest hit with 0 < t < ray.t_max; Hit::found() is false if there is none.
-  Hit closest_hit(const Primitives& primitives, const Ray& ray) const;
+  // Marks the packets by the opacities of materials. Queries ask for the opacity of hits of those that are
+  // not opaque, if they are given `opacity`; without, every hit counts.
+  void set_opacities(const Primitives& primitives, std::span<const MaterialOpacity> of_materials,
+                     int threads);
 
-  // Whether anything is hit with 0 < t < ray.t_max.
-  bool any_hit(const Primitives& primitives, const Ray& ray) const;
+  // The nearest hit with 0 < t < ray.t_max that is not transparent; Hit::found() is false if there is none.
+  Hit closest_hit(const Primitives& primitives, const Ray& ray, const HitOpacity* opacity = nullptr) const;
+
+  // What is hit with 0 < t < ray.t_max.
+  Occlusion occlusion(const Primitives& primitives, const Ray& ray,
+                      const HitOpacity* opacity = nullptr) const;
+  bool any_hit(const Primitives& primitives, const Ray& ray) const {
+    return occlusion(primitives, ray) != Occlusion::kNone;
+  }
 
   // Traces many rays in any order and of any kind. hits[i] is bit-identical to closest_hit(primitives,
-  // rays[i]). There are as many of either. Coherent rays should be neighbours. Where nothing moves, times are
-  // neither read nor written.
-  void closest_hits(const Primitives& primitives, ColumnsView<const Ray> rays, ColumnsView<Hit> hits) const;
-  // occluded[i] becomes 1 if rays[i] hits anything, else 0.
-  void any_hits(const Primitives& primitives, ColumnsView<const Ray> rays,
-                std::span<std::uint8_t> occluded) const;
+  // rays[i], opacity). There are as many of either. Coherent rays should be neighbours. Where nothing moves,
+  // times are neither read nor written.
+  void closest_hits(const Primitives& primitives, ColumnsView<const Ray> rays, ColumnsView<Hit> hits,
+                    const HitOpacity* opacity = nullptr) const;
+  // occluded[i] becomes occlusion(primitives, rays[i], opacity).
+  void occlusions(const Primitives& primitives, ColumnsView<const Ray> rays, std::span<Occlusion> occluded,
+                  const HitOpacity* opacity = nullptr) const;
 
   // Includes the trees of objects.
   std::size_t memory_bytes() const;

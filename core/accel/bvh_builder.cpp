@@ -149,10 +149,6 @@ class WideBuilder {
     }
   }
 
-  static void set_tube(BvhPacket& packet, std::uint32_t lane, const CurveTube& tube) {
-    set_corners(packet, lane, {tube.start, tube.end, {tube.radius, 0, 0}});
-  }
-
   static void set_lane(BvhNode& node, int lane, const Aabb& box, BvhChild child) {
     for (int axis = 0; axis < 3; ++axis) {
       node.bounds[3 * BvhNode::kLower + axis][lane] = box.lower[axis];

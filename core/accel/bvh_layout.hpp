@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/accel/hit_opacity.hpp"
 #include "core/geometry/geometry_kind.hpp"
 #include "core/math/simd.hpp"
 #include "core/math/simd_integer.hpp"
@@ -76,8 +77,9 @@ struct alignas(64) BvhPacket {
   float corners[3][3][kWidth] = {};  // [corner][axis][lane]
   std::uint32_t primitives[kWidth] = {};
   GeometryKind kind = GeometryKind::kTriangle;
-  std::uint32_t lanes = 0;       // bit i for lane i, if it is used
-  std::uint32_t unused[6] = {};  // pads to the cache line, so that equal packets have equal bytes
+  std::uint32_t lanes = 0;                             // bit i for lane i, if it is used
+  MaterialOpacity opacity = MaterialOpacity::kOpaque;  // the greatest of the primitives
+  std::uint32_t unused[5] = {};  // pads to the cache line, so that equal packets have equal bytes
 
   bool operator==(const BvhPacket&) const = default;
 };

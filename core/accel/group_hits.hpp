@@ -29,6 +29,7 @@ struct GroupScene {
   const Bvh::Arrays* objects;  // for a scene: the trees of its instanced objects
   const BvhNode* nodes;
   const BvhPacket* packets;
+  OpacityOf opacity;
 };
 
 template <Query kQuery, typename AnyRay>
@@ -47,16 +48,19 @@ class GroupHits {
     }
   }
 
-  // The rays that are still open; for kAny, those not known to hit anything.
+  // The rays that are still open; for kAny, those not known to hit anything opaque.
   RaySet alive() const { return alive_; }
+  // For kAny: the rays that have met something partly opaque.
+  RaySet partly_occluded() const { return partly_occluded_; }
   // An upper bound on useful distances: hits of ray i at or beyond it do not improve its result.
   float reach(std::size_t i) const {
     // An equally near hit may still win the tie.
     return kQuery == Query::kAny ? columns_.t_max[i] : std::min(columns_.t_max[i], next_float_up(t_high_[i]));
   }
 
-  // Tests the rays of `set` against a packet's spheres, one vector of rays at a time.
+  // Tests the rays of `set` against a packet's spheres, one vector of rays at a time if they are opaque.
   void test_spheres(const BvhPacket& packet, RaySet set) {
+    if (decides_opacity(packet)) return test_others(packet, set);
     for_each_lane(packet.lanes, [&](std::size_t lane) {
       for (std::size_t v = 0; v < columns_.vectors(); ++v)
         if (lanes_of(set, v) != 0)
@@ -64,15 +68,28 @@ class GroupHits {
     });
   }
 
-  // Tests the rays of `set` against a packet's primitives, ray by ray; not for triangles at rest or
+  // Tests the rays of `set` against a packet's curves. Those that a ray comes near are prefetched and queued;
+  // the result is known after the next settle() at the latest.
+  void test_curves_later(const BvhPacket& packet, RaySet set) {
+    for_each_ray(set, [&](std::size_t i) {
+      if (queued_curves_ > kCurveQueueSize - BvhPacket::kWidth) settle_curves();
+      for_each_lane(curves_near(packet, ObjectRay(columns_.ray(i)), group_.limit(i)), [&](std::size_t lane) {
+        const Curves::Source source = source_of(packet, lane);
+        scene_.primitives.prefetch_curve(source);
+        curve_queue_[queued_curves_++] = {static_cast<std::uint32_t>(i), packet.primitives[lane], source,
+                                          &packet};
+      });
+    });
+  }
+
+  // Tests the rays of `set` against a packet's primitives, ray by ray; not for triangles at rest, curves or
   // instances.
   void test_others(const BvhPacket& packet, RaySet set) {
-    if (packet.kind == GeometryKind::kCurve) prefetch_curves(packet, scene_.primitives);
     for_each_ray(set, [&](std::size_t i) {
       const AnyRay ray = columns_.ray(i);
-      for_each_line_hit(packet, scene_.primitives, ray, [&](const Hit& found) {
+      for_each_line_hit(packet, scene_.primitives, ray, group_.limit(i), [&](const Hit& found) {
         Hit hit;
-        if (hit.improve(ray, found)) accept(i, hit);
+        if (hit.improve(ray, found)) accept(i, packet, hit);
       });
     });
   }
@@ -103,40 +120,24 @@ class GroupHits {
   // Tests the rays of `set` against all triangles of packet `index`, one vector of rays at a time. Requires
   // RayGroup::can_filter.
   void test_together(std::uint32_t index, RaySet set) {
-    for (std::size_t v = 0; v < columns_.vectors(); ++v)
-      if (lanes_of(set, v) != 0) test_vector(index, v, MaskVector::from_bits(lanes_of(set, v)));
+    if (decides_opacity(scene_.packets[index])) {
+      test_vectors<false>(index, set);
+    } else {
+      test_vectors<true>(index, set);
+    }
     settle();
   }
 
-  // Computes the queued hits. A ray whose candidate arrived after it was queued is queued again.
+  // Computes the queued hits.
   void settle() {
-    using D = DoubleHalf;  // few entries are expected
-    for (std::size_t begin = 0, count; begin < queued_; begin += count) {
-      count = std::min(D::kLanes, queued_ - begin);
-      Pairs<D> pairs;
-      std::array<std::size_t, D::kLanes> rays;
-      for (std::size_t k = 0; k < D::kLanes; ++k) {
-        pairs[k] = queue_[begin + std::min(k, count - 1)];
-        rays[k] = pairs[k].ray;
-      }
-      const TriangleHitsOf<D> hits(sheared_.rays<D>(rays),
-                                   sheared_.corners<D>(lanes_of_packets<D>(pairs), rays));
-      if (hits.lanes() != 0) {
-        for_each_hit(hits, pairs, (RaySet{1} << count) - 1,
-                     [&](std::size_t i, const Hit& hit) { improve_hit(i, hit); });
-      }
-      for (std::size_t k = 0; k < count; ++k) {
-        update(rays[k]);
-        enqueue_candidate(rays[k]);
-      }
-    }
-    queued_ = 0;
+    settle_curves();
+    settle_triangles();
   }
 
   // Computes the candidates of the rays of `set`, four at once.
   void settle_candidates(RaySet set) {
     for_each_ray(set, [&](std::size_t i) { enqueue_candidate(i); });
-    settle();
+    settle_triangles();
   }
 
   // The rays of `set` hit hit_of(i), unless they hit something better.
@@ -150,6 +151,7 @@ class GroupHits {
   }
   // For kAny: marks the rays of `set` as occluded.
   void occlude(RaySet set) { alive_ &= ~set; }
+  void occlude_partly(RaySet set) { partly_occluded_ |= set; }
 
   // The final hits, once everything has been tested.
   const HitColumns& finish() {
@@ -173,7 +175,7 @@ class GroupHits {
         for (std::size_t k = 0; k < D::kLanes; ++k) kept.primitive[k] = primitive_of(pairs[k]);
         std::fill_n(kept.instance, D::kLanes, kNoInstance);
       } else {
-        for_each_hit(hits, pairs, open, [&](std::size_t i, const Hit& hit) { hits_.set(i, hit); });
+        for_each_hit(hits, pairs, open, [&](const Pair& pair, const Hit& hit) { hits_.set(pair.ray, hit); });
       }
     }
     return hits_;
@@ -184,10 +186,17 @@ class GroupHits {
   static constexpr std::uint32_t kNothing = 0xffffffffu;
   // A packet test adds at most two entries for each ray and triangle, and settling one for each ray.
   static constexpr std::size_t kQueueSize = 3 * kSize * BvhPacket::kWidth;
+  static constexpr std::size_t kCurveQueueSize = kSize * BvhPacket::kWidth;
 
   struct Pair {
     std::uint32_t ray;
     std::uint32_t triangle;  // packet index * BvhPacket::kWidth + lane
+  };
+  // A part of a curve that a ray comes near.
+  struct NearCurve {
+    std::uint32_t ray, primitive;
+    Curves::Source source;
+    const BvhPacket* packet;
   };
   // One pair in each lane of D.
   template <typename D>
@@ -224,19 +233,29 @@ class GroupHits {
                  });
   }
 
-  // Takes into account what ray i has hit, other than a triangle.
-  void accept(std::size_t i, const Hit& hit) {
-    if (kQuery == Query::kAny) {
-      alive_ &= ~(RaySet{1} << i);
-    } else if (hit.t <= t_high_[i]) {
+  // Takes into account what ray i has hit, other than a triangle at rest.
+  void accept(std::size_t i, const BvhPacket& packet, const Hit& hit) {
+    if (kQuery == Query::kClosest) {
+      if (!(hit.t <= t_high_[i])) return;
       settle_candidate(i);
-      improve_hit(i, hit);
-      update(i);
     }
+    improve_hit(i, packet, hit);
+    update(i);
+  }
+
+  bool decides_opacity(const BvhPacket& packet) const {
+    return scene_.opacity.template decides<kQuery>(packet);
+  }
+
+  template <bool kOpaque>
+  void test_vectors(std::uint32_t index, RaySet set) {
+    for (std::size_t v = 0; v < columns_.vectors(); ++v)
+      if (lanes_of(set, v) != 0) test_vector<kOpaque>(index, v, MaskVector::from_bits(lanes_of(set, v)));
   }
 
   // Branches only for triangles that no ray hits and for uncertain results: how many rays hit a triangle is
-  // unpredictable.
+  // unpredictable. Unless the triangles are opaque, no hit is certain.
+  template <bool kOpaque>
   void test_vector(std::uint32_t index, std::size_t v, MaskVector asked) {
     const BvhPacket& packet = scene_.packets[index];
     const FilterRays rays = group_.filter_rays(v);
@@ -255,21 +274,62 @@ class GroupHits {
       const auto [low, high] = filter.t(rays);
       const FloatVector best_low = FloatVector::load(t_low), best_high = FloatVector::load(t_high);
       const MaskVector worse = inside & ((high < FloatVector(0)) | (best_high < low));
-      const MaskVector better = asked & inside & (FloatVector(0) < low) & (high < best_low);
-      if (kQuery == Query::kAny) {
-        alive_ &= ~to_set(better.bits(), v);
-      } else {
-        select(better, low, best_low).store(t_low);
-        select(better, high, best_high).store(t_high);
-        select(better, FloatVector(std::bit_cast<float>(triangle)), FloatVector::load(candidates))
-            .store(candidates);
+      MaskVector open = may_hit & !worse;
+      if (kOpaque) {
+        const MaskVector better = asked & inside & (FloatVector(0) < low) & (high < best_low);
+        open = open & !better;
+        if (kQuery == Query::kAny) {
+          alive_ &= ~to_set(better.bits(), v);
+        } else {
+          select(better, low, best_low).store(t_low);
+          select(better, high, best_high).store(t_high);
+          select(better, FloatVector(std::bit_cast<float>(triangle)), FloatVector::load(candidates))
+              .store(candidates);
+        }
       }
-      for_each_ray(to_set((may_hit & !worse & !better).bits(), v), [&](std::size_t i) {
+      for_each_ray(to_set(open.bits(), v), [&](std::size_t i) {
         enqueue_candidate(i);
         queue_[queued_++] = {static_cast<std::uint32_t>(i), triangle};
       });
     }
     if (kQuery == Query::kClosest) group_.set_limits(v, FloatVector::load(t_high));
+  }
+
+  // A ray whose candidate arrived after it was queued is queued again.
+  void settle_triangles() {
+    using D = DoubleHalf;  // few entries are expected
+    for (std::size_t begin = 0, count; begin < queued_; begin += count) {
+      count = std::min(D::kLanes, queued_ - begin);
+      Pairs<D> pairs;
+      std::array<std::size_t, D::kLanes> rays;
+      for (std::size_t k = 0; k < D::kLanes; ++k) {
+        pairs[k] = queue_[begin + std::min(k, count - 1)];
+        rays[k] = pairs[k].ray;
+      }
+      const TriangleHitsOf<D> hits(sheared_.rays<D>(rays),
+                                   sheared_.corners<D>(lanes_of_packets<D>(pairs), rays));
+      if (hits.lanes() != 0) {
+        for_each_hit(hits, pairs, (RaySet{1} << count) - 1,
+                     [&](const Pair& pair, const Hit& hit) { improve_hit(pair.ray, packet_of(pair), hit); });
+      }
+      for (std::size_t k = 0; k < count; ++k) {
+        update(rays[k]);
+        enqueue_candidate(rays[k]);
+      }
+    }
+    queued_ = 0;
+  }
+
+  void settle_curves() {
+    for (std::size_t k = 0; k < queued_curves_; ++k) {
+      const auto& [i, primitive, source, packet] = curve_queue_[k];
+      if ((alive_ >> i & 1) == 0) continue;
+      const AnyRay ray = columns_.ray(i);
+      const auto found = scene_.primitives.curve_line_hit(primitive, source, ray);
+      Hit hit;
+      if (found && hit.improve(ray, *found)) accept(i, *packet, hit);
+    }
+    queued_curves_ = 0;
   }
 
   void enqueue(std::size_t i, std::uint32_t packet, int lane) {
@@ -285,7 +345,7 @@ class GroupHits {
 
   void settle_candidate(std::size_t i) {
     enqueue_candidate(i);
-    settle();
+    settle_triangles();
   }
 
   const BvhPacket& packet_of(const Pair& pair) const {
@@ -303,20 +363,31 @@ class GroupHits {
     return packet_of(pair).primitives[pair.triangle % BvhPacket::kWidth];
   }
 
-  // Calls improve(ray, hit) with the hits of the pairs in `open`.
+  // Calls improve(pair, hit) with the hits of the pairs in `open`.
   template <typename D, typename Improve>
   void for_each_hit(const TriangleHitsOf<D>& hits, const Pairs<D>& pairs, RaySet open,
                     const Improve& improve) const {
     alignas(kVectorAlignment) float t[D::kLanes], b1[D::kLanes], b2[D::kLanes];
     hits.store(t, b1, b2);
     for_each_ray(open & hits.lanes(), [&](std::size_t k) {
-      improve(pairs[k].ray, Hit{t[k], primitive_of(pairs[k]), b1[k], b2[k]});
+      improve(pairs[k], Hit{t[k], primitive_of(pairs[k]), b1[k], b2[k]});
     });
   }
 
   void improve_hit(std::size_t i, const Hit& hit) {
     Hit best = hits_[i];
     if (best.improve(columns_.ray(i), hit)) hits_.set(i, best);
+  }
+  // The same for a hit of one of the packet's primitives, if that is opaque enough.
+  void improve_hit(std::size_t i, const BvhPacket& packet, const Hit& hit) {
+    Hit best = hits_[i];
+    if (!best.improve(columns_.ray(i), hit)) return;
+    if (decides_opacity(packet)) {
+      const Opacity opacity = scene_.opacity.at(hit, columns_.time[i]);
+      if (opacity == Opacity::kTransparent) return;
+      if (kQuery == Query::kAny && opacity == Opacity::kPartial) return occlude_partly(RaySet{1} << i);
+    }
+    hits_.set(i, best);
   }
 
   // Updates the bounds of ray i after hits_[i] may have changed.
@@ -335,7 +406,7 @@ class GroupHits {
   const Columns& columns_;
   RayGroup<AnyRay>& group_;
   ShearedGroup sheared_;
-  RaySet alive_;
+  RaySet alive_, partly_occluded_ = 0;
   // Bounds on t of the best known hit, candidate or not; t_max if there is none.
   alignas(kVectorAlignment) float t_low_[kSize];
   alignas(kVectorAlignment) float t_high_[kSize];
@@ -344,6 +415,8 @@ class GroupHits {
   HitColumns hits_;
   std::array<Pair, kQueueSize> queue_;
   std::size_t queued_ = 0;
+  std::array<NearCurve, kCurveQueueSize> curve_queue_;
+  std::size_t queued_curves_ = 0;
 };
 
 }  // namespace tessera::core::accel

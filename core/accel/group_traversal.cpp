@@ -40,7 +40,7 @@ class GroupTraversal {
         hits_(scene, columns, group_),
         diverged_(group_, scene.nodes, scene.packets) {}
 
-  // The hits of the rays. For kAny only missing() is meaningful.
+  // The hits of the rays. For kAny only missing() and partly_occluded() are meaningful.
   const HitColumns& run() {
     stack_.clear();
     stack_.push({0, BvhChild::node(0), hits_.alive()});
@@ -60,8 +60,10 @@ class GroupTraversal {
     return hits_.finish();
   }
 
-  // For kAny, after run: the rays that hit nothing.
+  // For kAny, after run: the rays that hit nothing opaque.
   RaySet missing() const { return hits_.alive(); }
+  // For kAny: of those, the rays that met something partly opaque.
+  RaySet partly_occluded() const { return hits_.partly_occluded(); }
 
  private:
   void enter(const BvhNode& node, RaySet set) {
@@ -98,7 +100,10 @@ class GroupTraversal {
 
   void visit(std::uint32_t index, RaySet set) {
     const BvhPacket& packet = scene_.packets[index];
-    if (packet.kind != GeometryKind::kTriangle) return visit_others(packet, set);
+    if (packet.kind != GeometryKind::kTriangle) {
+      visit_others(packet, set);
+      return hits_.settle();
+    }
     const int cost_together = std::popcount(packet.lanes) * vectors_of(set) * kTriangleVsVector;
     if (group_.can_filter() && cost_together <= std::popcount(set) * kRayVsPacket) {
       hits_.test_together(index, set);
@@ -107,12 +112,13 @@ class GroupTraversal {
     }
   }
 
-  // Tests primitives other than triangles at rest.
+  // Tests primitives other than triangles at rest; the result for curves is known after hits_.settle().
   void visit_others(const BvhPacket& packet, RaySet set) {
     if constexpr (std::is_same_v<AnyRay, Ray>)
       if (packet.kind == GeometryKind::kInstance)
         return enter_instance(scene_.primitives.instance_number(packet.primitives[0]), set & hits_.alive());
     if (packet.kind == GeometryKind::kSphere) return hits_.test_spheres(packet, set);
+    if (packet.kind == GeometryKind::kCurve) return hits_.test_curves_later(packet, set);
     hits_.test_others(packet, set);
   }
 
@@ -120,7 +126,7 @@ class GroupTraversal {
     const Instance& instance = scene_.primitives.instance(number);
     const Bvh::Arrays& tree = scene_.objects[instance.object];
     const GroupScene object{scene_.primitives.object_of(instance), nullptr, tree.nodes.data(),
-                            tree.packets.data()};
+                            tree.packets.data(), scene_.opacity.inside(number)};
     const RaysInObject rays(scene_.primitives, instance, columns_, set);
     rays.for_each_octant([&](RaySet octant) {
       if (std::popcount(octant) >= kMinInObject) {
@@ -143,17 +149,27 @@ class GroupTraversal {
         count, [&](std::size_t k) { return rays.ray(ray_at[k], hits_.reach(ray_at[k])); });
     GroupTraversal<kQuery, ObjectRay> traversal(object, columns);
     const HitColumns& found = traversal.run();
-    if (kQuery == Query::kAny) return hits_.occlude(spread(columns.all() & ~traversal.missing(), ray_at));
+    if (kQuery == Query::kAny) {
+      hits_.occlude_partly(spread(traversal.partly_occluded(), ray_at));
+      return hits_.occlude(spread(columns.all() & ~traversal.missing(), ray_at));
+    }
     RaySet hit = 0;
     for (std::size_t k = 0; k < count; ++k) hit |= RaySet{found.found(k)} << ray_at[k];
     improve_all(hit, number, [&](std::size_t i) { return found[place[i]]; });
   }
 
   void trace_alone(const GroupScene& object, std::uint32_t number, const RaysInObject& rays, std::size_t i) {
-    const ObjectRay ray = rays.ray(i, hits_.reach(i));
-    const Hit found =
-        RayTraversal(object.primitives, nullptr, ray).template run<kQuery>(object.nodes, object.packets);
+    const Hit found = alone(object, rays.ray(i, hits_.reach(i)), i);
     if (found.found()) improve_all(RaySet{1} << i, number, [&](std::size_t) { return found; });
+  }
+
+  // What ray i, which is `ray` there, hits in a scene or an object.
+  template <typename RayThere>
+  Hit alone(const GroupScene& scene, const RayThere& ray, std::size_t i) {
+    RayTraversal traversal(scene.primitives, scene.objects, scene.opacity, ray);
+    const Hit found = traversal.template run<kQuery>(scene.nodes, scene.packets);
+    hits_.occlude_partly(RaySet{traversal.is_partly_occluded()} << i);
+    return found;
   }
 
   // Improves results by hits in an instance.
@@ -199,9 +215,7 @@ class GroupTraversal {
 
   // Ray i traverses the whole tree individually.
   void restart(std::size_t i) {
-    const AnyRay ray = columns_.ray(i);
-    const Hit found = RayTraversal(scene_.primitives, scene_.objects, ray)
-                          .template run<kQuery>(scene_.nodes, scene_.packets);
+    const Hit found = alone(scene_, columns_.ray(i), i);
     if (found.found()) hits_.improve_all(RaySet{1} << i, [&](std::size_t) { return found; });
     through_ |= RaySet{1} << i;
   }
@@ -233,12 +247,16 @@ void trace_closest(const GroupScene& scene, ColumnsView<const Ray> rays, std::sp
 }
 
 void trace_any(const GroupScene& scene, ColumnsView<const Ray> rays, std::span<const std::uint16_t> order,
-               std::span<std::uint8_t> occluded) {
+               std::span<Occlusion> occluded) {
   const RayColumns<Ray> columns = columns_of(scene, rays, order);
   GroupTraversal<Query::kAny, Ray> traversal(scene, columns);
   traversal.run();
+  const RaySet missing = traversal.missing(), partial = traversal.partly_occluded();
+  const auto has = [](RaySet set, std::size_t i) { return (set >> i & 1) != 0; };
   for (std::size_t i = 0; i < order.size(); ++i)
-    occluded[order[i]] = (traversal.missing() >> i & 1) != 0 ? 0 : 1;
+    occluded[order[i]] = !has(missing, i)  ? Occlusion::kFull
+                         : has(partial, i) ? Occlusion::kPartial
+                                           : Occlusion::kNone;
 }
 
 }  // namespace tessera::core::accel

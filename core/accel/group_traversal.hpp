@@ -19,10 +19,10 @@ namespace tessera::core::accel {
 
 // The rays rays[order[i]] point into one octant (octant_groups.hpp), in ascending order, and
 // there are at most kGroupSize.
-// Results go to hits[order[i]] and occluded[order[i]].
+// Results go to hits[order[i]] and occluded[order[i]], as those of Bvh.
 void trace_closest(const GroupScene& scene, ColumnsView<const Ray> rays, std::span<const std::uint16_t> order,
                    ColumnsView<Hit> hits);
 void trace_any(const GroupScene& scene, ColumnsView<const Ray> rays, std::span<const std::uint16_t> order,
-               std::span<std::uint8_t> occluded);
+               std::span<Occlusion> occluded);
 
 }  // namespace tessera::core::accel

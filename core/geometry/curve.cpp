@@ -114,14 +114,22 @@ double curve_radius(const CurvePart& part, double u) {
 }
 
 CurveTube tube_around(const CurvePart& part) {
-  const Vec3 start = part.points[0].rounded(), end = part.points[3].rounded();
-  const Vec3d axis = Vec3d(end) - Vec3d(start);
-  const double axis_length2 = dot(axis, axis);
+  const auto& points = part.points;
+  const Vec3d from = points[0], along = scaled_to_unit(points[3] - from);
+  double low = 0, high = length(points[3] - from);
+  for (const Vec3d& p : points) {
+    low = std::min(low, dot(p - from, along));
+    high = std::max(high, dot(p - from, along));
+  }
+  const Vec3 start = (from + low * along).rounded(), end = (from + high * along).rounded();
+  // From the axis as it was rounded.
+  const Vec3d axis = scaled_to_unit(Vec3d(end) - Vec3d(start));
+  const double axis_length = length(Vec3d(end) - Vec3d(start));
   double farthest = 0;
-  for (const Vec3d& p : part.points) {
-    const Vec3d from = p - Vec3d(start);
-    const double foot = axis_length2 > 0 ? dot(from, axis) / axis_length2 : 0;
-    farthest = std::max(farthest, length(from - foot * axis));
+  for (const Vec3d& p : points) {
+    const Vec3d away = p - Vec3d(start);
+    const double foot = dot(away, axis);
+    farthest = std::max({farthest, length(away - foot * axis), -foot, foot - axis_length});
   }
   const double radius = (farthest + part.max_radius()) * (1 + 1e-4);
   return {start, end, -rounded_down(-radius)};

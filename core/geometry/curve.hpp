@@ -48,7 +48,8 @@ ObjectPointOf<float> point_of_curve(const CurvePart& part, const ObjectRay& ray,
 Vec3d curve_tangent(const CurvePart& part, double u);
 double curve_radius(const CurvePart& part, double u);
 
-// A line and a radius that bound the part: no point of it is farther from the line.
+// An axis and a radius that bound the part: no point of it is farther than the radius from the line through
+// the axis, nor farther beyond an end of the axis.
 struct CurveTube {
   Vec3 start{}, end{};
   float radius = 0;

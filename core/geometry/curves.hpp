@@ -64,6 +64,8 @@ class Curves {
   };
   Source source(std::uint32_t number) const { return parts_[number].source; }
   CurvePart part(std::uint32_t number, Source source) const;
+  // Prefetches what material() and source() read.
+  void prefetch_part(std::uint32_t number) const { prefetch(parts_[number]); }
   void prefetch_points(Source source) const {
     const std::size_t count = std::min<std::size_t>(4, points_.size() - source.first_point);
     prefetch_bytes(std::as_bytes(std::span(&points_[source.first_point], count)));

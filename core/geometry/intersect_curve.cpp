@@ -129,7 +129,9 @@ class CurveFinder {
     const bool is_round = part_.shape == CurveShape::kRound;
     const auto test = [&](double u) { is_round ? test_round(u) : test_flat(u); };
     if (starts_beyond(approach, is_round)) test(0);
-    for_each_closest(curve_, approach, is_round ? kRoundTolerance : 1e-12, test);
+    for_each_closest(curve_, approach, is_round ? kRoundTolerance : 1e-12, [&](double u) {
+      if (!(is_round && has_passed(u))) test(u);
+    });
     if (ends_before(approach, is_round)) test(1);
     return best_;
   }
@@ -146,6 +148,13 @@ class CurveFinder {
   double squared_step(double u) const {
     const double dx = curve_.x().slope(u) / 3, dy = curve_.y().slope(u) / 3;
     return dx * dx + dy * dy;
+  }
+
+  // Whether the ray is inside of a round curve where it is closest to it, and that is behind the origin: so
+  // it entered behind the origin, too. This holds for the curve that a ray has just left.
+  bool has_passed(double u) const {
+    const double x = curve_.x().value(u), y = curve_.y().value(u), r = curve_.r().value(u);
+    return curve_.z().value(u) <= 0 && x * x + y * y < r * r;
   }
 
   void test_flat(double u) {

@@ -152,12 +152,23 @@ class Primitives {
   const Primitives& owner(const Hit& hit) const {
     return hit.in_instance() ? object_of(instances_[hit.instance]) : *this;
   }
-  // Prefetches what material() and prefetch_corners() read for a triangle of these.
-  void prefetch_triangle(std::uint32_t primitive) const {
-    prefetch(triangle_materials_[primitive]);
-    prefetch(triangles_[primitive]);
+  // Prefetches what material() and prefetch_surface() read for a triangle or curve of these.
+  void prefetch_shape(std::uint32_t primitive) const {
+    if (is_triangle(primitive)) {
+      prefetch(triangle_materials_[primitive]);
+      prefetch(triangles_[primitive]);
+    } else if (is_curve(primitive)) {
+      curves_.prefetch_part(primitive - first_curve());
+    }
   }
-  // Prefetches the first data that surfaces() reads.
+  // Prefetches the first data that surfaces() reads for a triangle or curve.
+  void prefetch_surface(std::uint32_t primitive) const {
+    if (is_triangle(primitive)) {
+      prefetch_corners(primitive);
+    } else if (is_curve(primitive)) {
+      prefetch_curve(curve_source(primitive));
+    }
+  }
   void prefetch_corners(std::uint32_t primitive) const {
     for (const std::uint32_t vertex : triangles_[primitive]) {
       prefetch(positions_[vertex]);
@@ -241,6 +252,11 @@ class Primitives {
   // The same for the hit in each lane.
   UvSetsOf<FloatN> uv_sets(const HitRows& hits, Vec2Of<FloatN> uv) const {
     return has_second_uvs_ ? UvSetsOf<FloatN>(uv, second_uvs_at(hits, uv)) : UvSetsOf<FloatN>(uv);
+  }
+
+  // The texture coordinates at a hit that is a triangle: those of its surface(), bit for bit.
+  UvSets triangle_uv_sets(const Hit& hit) const {
+    return uv_sets(hit, interpolated(owner(hit).triangle_uvs(hit.primitive), corner_weights(hit.b1, hit.b2)));
   }
 
   // Whether any mesh has vertex colours, including objects' meshes.

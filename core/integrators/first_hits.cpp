@@ -40,7 +40,7 @@ std::uint64_t find_first_hits(const Scene& scene, std::span<const Ray> camera_ra
                               std::span<const sampling::Sampler* const> samplers, std::span<FirstHit> hits) {
   Columns<Ray> rays(camera_rays);
   Columns<Hit> met(rays.size());
-  scene.bvh().closest_hits(scene.primitives(), rays.all(), met.all());
+  scene.closest_hits(rays.all(), met.all());
   std::uint64_t traced = rays.size();
   // The camera ray is ray 0 of a sample for every integrator: the path of depth 0, the root of the tree.
   static_assert(sampling::kTreeRoot == 0);

@@ -52,7 +52,9 @@ Crossing crossing_at(const Scene& scene, RayOrigin origin, const Ray& ray, const
   } else if (!scene.nested_dielectrics().empty()) {
     enclosure = {.outside = enclosure.along(ray.direction), .inside = enclosure.along(ray.direction)};
   }
-  if (is_opaque(*material, scene.materials()) || crossing >= kMaxCrossings) return {material, surface};
+  const bool is_opaque_there =
+      is_nested ? is_opaque(*material, scene.materials()) : scene.opacity_of(hit) == accel::Opacity::kOpaque;
+  if (is_opaque_there || crossing >= kMaxCrossings) return {material, surface};
   if (!is_nested) surface = scene.primitives().surface(ray, hit);
   const auto [stopped, transmittance] =
       interception_at(*material, scene.materials(), scene.textures(), texture_point_at(scene, hit, surface),
@@ -62,7 +64,7 @@ Crossing crossing_at(const Scene& scene, RayOrigin origin, const Ray& ray, const
 
 Met meet_by_chance(const Scene& scene, RayOrigin origin, const Ray& ray, const sampling::Sampler& sampler,
                    std::uint64_t name, Enclosure& enclosure, const OnPass& on_pass) {
-  Met met{ray, scene.bvh().closest_hit(scene.primitives(), ray)};
+  Met met{ray, scene.closest_hit(ray)};
   if (scene.is_opaque() || !met.hit.found()) return met;
   SingleRow segment(met.ray);
   SingleRow found(met.hit);
@@ -83,7 +85,7 @@ std::uint64_t find_transmittances(const Scene& scene, ColumnsView<const Ray> ray
                                   std::span<Enclosure> enclosures, std::span<Rgb> shares) {
   Columns<Ray> segments(rays);
   Columns<Hit> hits(rays.size());
-  scene.bvh().closest_hits(scene.primitives(), rays, hits.all());
+  scene.closest_hits(rays, hits.all());
   std::fill(shares.begin(), shares.end(), Rgb::gray(1));
   const auto pass = [&](std::uint32_t i, const Ray& segment, const Hit& hit,
                         std::uint32_t crossing) -> std::optional<Ray> {
@@ -97,8 +99,9 @@ std::uint64_t find_transmittances(const Scene& scene, ColumnsView<const Ray> ray
 
 Rgb transmittance(const Scene& scene, const Ray& ray, Enclosure enclosure, std::uint64_t& traced) {
   ++traced;
-  if (!scene.bvh().any_hit(scene.primitives(), ray)) return Rgb::gray(1);
-  if (scene.is_opaque()) return {};
+  const accel::Occlusion occlusion = scene.occlusion(ray);
+  if (occlusion != accel::Occlusion::kPartial)
+    return Rgb::gray(occlusion == accel::Occlusion::kNone ? 1.0f : 0.0f);
   Rgb share{};
   traced += find_transmittances(scene, SingleRow(ray).all(), {&enclosure, 1}, {&share, 1});
   return share;

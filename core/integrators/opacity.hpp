@@ -60,7 +60,7 @@ std::uint64_t trace_through(const Scene& scene, ColumnsView<Ray> rays, ColumnsVi
   for (std::uint32_t i = 0; i < rays.size(); ++i) advance(i, 0);
   for (std::uint32_t crossing = 1; !active.empty(); ++crossing) {
     next_hits.resize(active_rays.size());
-    scene.bvh().closest_hits(scene.primitives(), active_rays.all(), next_hits.all());
+    scene.closest_hits(active_rays.all(), next_hits.all());
     traced += active_rays.size();
     const auto behind = std::exchange(active, {});
     active_rays.clear();

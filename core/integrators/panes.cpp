@@ -33,8 +33,7 @@ class PaneWalk {
       if (!branch || !passage.may_continue(refracted, inside)) continue;
       const Ray next = vertex.ray_along(branch->wi);
       ++counters_.shadow_rays;
-      follow(next, scene_.bvh().closest_hit(scene_.primitives(), next), throughput * branch->weight,
-             passage.beyond(refracted));
+      follow(next, scene_.closest_hit(next), throughput * branch->weight, passage.beyond(refracted));
     }
   }
   Rgb found() const { return found_; }

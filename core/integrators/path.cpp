@@ -64,7 +64,7 @@ std::span<const std::uint32_t> PathTracer::step(RenderCounters& counters) {
   const ColumnsView<Hit> hits = hits_.all().rows(0, count);
   next_paths_->reserve(next_paths_->size() + count);
   counters.closest_hit_rays += count;
-  scene_.bvh().closest_hits(scene_.primitives(), rays, hits);
+  scene_.closest_hits(rays, hits);
 
   const int depth = static_cast<int>(std::min(list, kListsByDepth));
   if (!scene_.is_opaque()) pass_through_surfaces(counters, depth);

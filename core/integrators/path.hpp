@@ -161,7 +161,7 @@ class PathTracer {
   std::array<const Material*, kBatchPaths> boundaries_;  // Enclosure::boundary of hits_, if any are nested
   ShadingBins bins_;
   Columns<Connection> connections_;
-  std::array<std::uint8_t, kBatchPaths> occluded_;  // of connections_
+  std::array<accel::Occlusion, kBatchPaths> occluded_;  // of connections_
 };
 
 }  // namespace tessera::core::integrators

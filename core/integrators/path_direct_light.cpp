@@ -71,9 +71,9 @@ void PathTracer::add_unoccluded(RenderCounters& counters, int depth) {
   const ColumnsView<const Connection> all = connections_.all();
   assert(all.size() <= kBatchPaths);
   counters.shadow_rays += all.size();
-  scene_.bvh().any_hits(scene_.primitives(), all.field(&Connection::ray), {occluded_.data(), all.size()});
+  scene_.occlusions(all.field(&Connection::ray), {occluded_.data(), all.size()});
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (occluded_[i] == 0)
+    if (occluded_[i] == accel::Occlusion::kNone)
       add(all.get(&Connection::path, i), all.get(&Connection::radiance, i), depth + 1,
           all.get(&Connection::light, i));
   if (!scene_.is_opaque()) add_transmitted(counters, depth);
@@ -81,17 +81,18 @@ void PathTracer::add_unoccluded(RenderCounters& counters, int depth) {
   connections_.clear();
 }
 
-// Adds the light of occluded connections that partly transparent surfaces let through.
+// Adds the light of connections that partly transparent surfaces let through.
 void PathTracer::add_transmitted(RenderCounters& counters, int depth) {
   Columns<Ray> rays;
   std::vector<Connection> of_rays;
   std::vector<Enclosure> enclosures;
   for (std::size_t i = 0; i < connections_.size(); ++i) {
-    if (occluded_[i] == 0) continue;
+    if (occluded_[i] != accel::Occlusion::kPartial) continue;
     of_rays.push_back(connections_[i]);
     rays.push(of_rays.back().ray);
     enclosures.push_back(depth == kAtLens ? Enclosure{} : enclosure(of_rays.back().path));
   }
+  if (rays.size() == 0) return;
   std::vector<Rgb> shares(rays.size());
   counters.shadow_rays += find_transmittances(scene_, rays.all(), enclosures, shares);
   for (std::size_t k = 0; k < of_rays.size(); ++k)

@@ -68,13 +68,15 @@ void PathTracer::add_straight(RenderCounters& counters, int depth) {
   std::vector<std::size_t> occluded;
   Columns<Ray> rays;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (occluded_[i] == 0 || all.get(&Connection::light, i) != scene_.environment_light()) continue;
+    if (occluded_[i] == accel::Occlusion::kNone ||
+        all.get(&Connection::light, i) != scene_.environment_light())
+      continue;
     occluded.push_back(i);
     rays.push(all.get(&Connection::ray, i));
   }
   Columns<Hit> hits(rays.size());
   counters.shadow_rays += rays.size();
-  scene_.bvh().closest_hits(scene_.primitives(), rays.all(), hits.all());
+  scene_.closest_hits(rays.all(), hits.all());
   const int max_depth = settings_.max_depth > 0 ? settings_.max_depth : kMaxPathDepth;
   for (std::size_t k = 0; k < occluded.size(); ++k) {
     const auto [ray, path, radiance, light] = all[occluded[k]];

@@ -99,13 +99,12 @@ void ShadingBins::sort(ColumnsView<const Ray> rays, ColumnsView<const Hit> hits,
   for (Slots& bin : bins_) bin.close_gap();
 }
 
-// The data of all triangle vertices may be spread over memory.
+// The data of all triangle vertices and curves may be spread over memory.
 void ShadingBins::prefetch(ColumnsView<const Hit> hits) const {
   for (std::size_t i = 0; i < hits.size(); ++i) {
     const Hit hit = place_of(hits, i);
     if (!hit.found()) continue;
-    const Primitives& owner = scene_.primitives().owner(hit);
-    if (owner.is_triangle(hit.primitive)) owner.prefetch_triangle(hit.primitive);
+    scene_.primitives().owner(hit).prefetch_shape(hit.primitive);
   }
 }
 
@@ -118,7 +117,7 @@ void ShadingBins::add_hit(const Hit& hit, std::uint32_t slot) {
   const Primitives& primitives = scene_.primitives();
   const Primitives& owner = primitives.owner(hit);
   const bool triangle = owner.is_triangle(hit.primitive);
-  if (triangle) owner.prefetch_corners(hit.primitive);
+  owner.prefetch_surface(hit.primitive);
   const std::uint32_t material = primitives.material(hit);
   const auto [bin, emissive] = of_scene_.of_materials[material];
   materials_[slot] = &scene_.materials()[material];

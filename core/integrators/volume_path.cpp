@@ -133,7 +133,7 @@ bool VolumePath::step() {
   sampling::NumberStream numbers = sampler_.stream(segment_stream(depth_), sampling::medium_pad(depth_));
   for (std::uint32_t crossing = 0;; ++crossing) {
     ++counters_.closest_hit_rays;
-    const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), ray_);
+    const Hit hit = scene_.closest_hit(ray_);
     std::optional<float> collision;
     if (!collides(hit.found() ? hit.t : ray_.t_max, numbers, collision)) return false;
     if (collision) {
@@ -266,14 +266,14 @@ SpectralWeights VolumePath::visibility(const Ray& ray, int medium, Enclosure enc
   SpectralWeights weights;
   if (scene_.is_opaque()) {
     ++counters_.shadow_rays;
-    if (scene_.bvh().any_hit(scene_.primitives(), ray)) weights.throughput = {};
+    if (scene_.occlusion(ray) != accel::Occlusion::kNone) weights.throughput = {};
     if (!is_black(weights.throughput)) attenuate(ray, ray.t_max, medium, numbers, weights);
     return weights;
   }
   Ray rest = ray;
   for (std::uint32_t crossing = 0;; ++crossing) {
     ++counters_.shadow_rays;
-    const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), rest);
+    const Hit hit = scene_.closest_hit(rest);
     Crossing met{};
     if (hit.found()) {
       met = crossing_at(scene_, RayOrigin::kScene, rest, hit, crossing, enclosure);

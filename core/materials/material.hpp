@@ -263,13 +263,19 @@ inline bool passes_straight(const Material& material) {
   return std::holds_alternative<ThinDielectric>(material.model);
 }
 
-// Whether the surface stops every ray: light passes it only by its model's transmission. `all` are the
-// scene's materials, to which blends refer.
-inline bool is_opaque(const Material& material, const std::vector<Material>& all) {
+bool is_opaque(const Material& material, const std::vector<Material>& all);
+
+// Whether the surface stops every ray where its own opacity is 1. `all` are the scene's materials, to which
+// blends refer.
+inline bool is_opaque_model(const Material& material, const std::vector<Material>& all) {
   if (std::holds_alternative<Null>(material.model) || passes_straight(material)) return false;
-  if (const auto* blend = std::get_if<Blend>(&material.model))
-    if (!is_opaque(all[blend->first], all) || !is_opaque(all[blend->second], all)) return false;
-  return material.opacity.texture < 0 && material.opacity.value >= 1;
+  const auto* blend = std::get_if<Blend>(&material.model);
+  return blend == nullptr || (is_opaque(all[blend->first], all) && is_opaque(all[blend->second], all));
+}
+
+// Whether the surface stops every ray: light passes it only by its model's transmission.
+inline bool is_opaque(const Material& material, const std::vector<Material>& all) {
+  return material.opacity.texture < 0 && material.opacity.value >= 1 && is_opaque_model(material, all);
 }
 
 // Whether the model has an inside that light enters, so that both of its sides scatter light.

@@ -81,6 +81,14 @@ void Scene::set_materials(std::vector<Material> materials, std::vector<MediumDes
     hides_surfaces_ |= !material.visible_to_camera;
     is_opaque_ &= core::is_opaque(material, materials_) && material.visible_to_camera;
   }
+  opacities_ = opacities_of(materials_, textures_, nested_dielectrics_);
+}
+
+void Scene::mark_opacities(int threads) {
+  const bool any =
+      std::ranges::any_of(opacities_, [](auto o) { return o != accel::MaterialOpacity::kOpaque; });
+  if (any || has_opacities_) bvh_.set_opacities(primitives_, opacities_, threads);
+  has_opacities_ = any;
 }
 
 namespace {
@@ -210,6 +218,7 @@ Result<Scene> Scene::build(SceneDescription description, int threads, std::optio
   scene.open_shutter();
   scene.find_lights(description.lights, environment_of(description.environment, scene.textures_));
   scene.bvh_ = bvh ? std::move(*bvh) : accel::Bvh::build(scene.primitives_, threads);
+  scene.mark_opacities(threads);
   return scene;
 }
 
@@ -241,6 +250,7 @@ Status Scene::set_frame(std::int32_t frame, int threads) {
   const bool shapes_move = !moving.empty() || animation().deforms;
   if (shapes_move) bvh_.rebuild(primitives_, threads);
   if (animation().changes_materials()) set_materials(pose->materials, pose->media);
+  if (shapes_move || animation().changes_materials()) mark_opacities(threads);
   if (shapes_move || changes_lights(animation())) find_lights(pose->lights, environment_at(*pose));
   return {};
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/accel/bvh.hpp"
@@ -20,6 +21,7 @@
 #include "core/scene/nested_dielectrics.hpp"
 #include "core/scene/pose.hpp"
 #include "core/scene/scene_ids.hpp"
+#include "core/scene/surface_opacity.hpp"
 
 namespace tessera::core {
 
@@ -64,7 +66,18 @@ class Scene {
   // Whether the image depends on the times of rays: something moves while the shutter is open.
   bool has_motion() const { return camera_moves_ || primitives_.has_motion(); }
   const Primitives& primitives() const { return primitives_; }
+  // Knows the geometry alone; rays of light use these queries, which pass where surfaces are transparent.
   const accel::Bvh& bvh() const { return bvh_; }
+  Hit closest_hit(const Ray& ray) const { return bvh_.closest_hit(primitives_, ray, TracedOpacity(*this)); }
+  void closest_hits(ColumnsView<const Ray> rays, ColumnsView<Hit> hits) const {
+    bvh_.closest_hits(primitives_, rays, hits, TracedOpacity(*this));
+  }
+  accel::Occlusion occlusion(const Ray& ray) const {
+    return bvh_.occlusion(primitives_, ray, TracedOpacity(*this));
+  }
+  void occlusions(ColumnsView<const Ray> rays, std::span<accel::Occlusion> occluded) const {
+    bvh_.occlusions(primitives_, rays, occluded, TracedOpacity(*this));
+  }
   const std::vector<Texture>& textures() const { return textures_; }
   const std::vector<Material>& materials() const { return materials_; }
   // All lights with power: area lights, then delta lights, then the environment.
@@ -92,6 +105,8 @@ class Scene {
   bool has_dispersion() const { return has_dispersion_; }
   // Whether some are hidden from the camera.
   bool hides_surfaces() const { return hides_surfaces_; }
+  // Of a surface where it is hit, without regard to the camera.
+  accel::Opacity opacity_of(const Hit& hit) const { return surface_opacity().at(hit); }
   const Material& material_of(const Hit& hit) const { return materials_[primitives_.material(hit)]; }
   // Their boundaries stand behind the described materials.
   const NestedDielectrics& nested_dielectrics() const { return nested_dielectrics_; }
@@ -111,6 +126,21 @@ class Scene {
   }
 
  private:
+  // What traversal is given: nothing if all is opaque.
+  class TracedOpacity {
+   public:
+    explicit TracedOpacity(const Scene& scene)
+        : of_hits_(scene.surface_opacity()), asked_(scene.has_opacities_) {}
+    operator const accel::HitOpacity*() const { return asked_ ? &of_hits_ : nullptr; }
+
+   private:
+    SurfaceOpacity of_hits_;
+    bool asked_;
+  };
+  SurfaceOpacity surface_opacity() const { return {primitives_, materials_, textures_, opacities_}; }
+  // Marks the tree by the opacities of materials, which set_materials() has set.
+  void mark_opacities(int threads);
+
   // Sets materials and media as they are described, with the media that materials add.
   void set_materials(std::vector<Material> materials, std::vector<MediumDescription> media);
   void drop_unused_attributes(SceneDescription& description) const;
@@ -144,6 +174,8 @@ class Scene {
   std::vector<Material> materials_;
   NestedDielectrics nested_dielectrics_;
   bool is_opaque_ = true, hides_surfaces_ = false, has_dispersion_ = false;
+  std::vector<accel::MaterialOpacity> opacities_;  // of the materials
+  bool has_opacities_ = false;                     // whether any of them is not opaque
   std::shared_ptr<const std::vector<VoxelGrid>> grids_;
   std::vector<Medium> media_;
   int camera_medium_ = kNoMedium;

@@ -51,18 +51,20 @@ Rays parallel_rays(Random& random, std::size_t count) {
   return rays;
 }
 
-std::vector<Hit> closest_hits(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays) {
+std::vector<Hit> closest_hits(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays,
+                              const accel::HitOpacity* opacity) {
   const std::vector<Hit> wrong(rays.size(), Hit{0, 0, 0, 0});
   Columns<Hit> hits{std::span(wrong)};
-  bvh.closest_hits(primitives, Columns<Ray>(std::span(rays)).all(), hits.all());
+  bvh.closest_hits(primitives, Columns<Ray>(std::span(rays)).all(), hits.all(), opacity);
   std::vector<Hit> found;
   for (std::size_t i = 0; i < hits.size(); ++i) found.push_back(hits[i]);
   return found;
 }
 
-std::vector<std::uint8_t> any_hits(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays) {
-  std::vector<std::uint8_t> occluded(rays.size(), 2);
-  bvh.any_hits(primitives, Columns<Ray>(std::span(rays)).all(), occluded);
+std::vector<accel::Occlusion> occlusions(const accel::Bvh& bvh, const Primitives& primitives,
+                                         const Rays& rays, const accel::HitOpacity* opacity) {
+  std::vector<accel::Occlusion> occluded(rays.size(), static_cast<accel::Occlusion>(0xff));
+  bvh.occlusions(primitives, Columns<Ray>(std::span(rays)).all(), occluded, opacity);
   return occluded;
 }
 
@@ -73,15 +75,17 @@ WordLanes rows_from(std::size_t first) {
   return rows;
 }
 
-void expect_same_answers(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays) {
-  const std::vector<Hit> hits = closest_hits(bvh, primitives, rays);
-  const std::vector<std::uint8_t> occluded = any_hits(bvh, primitives, rays);
+void expect_same_answers(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays,
+                         const accel::HitOpacity* opacity) {
+  const std::vector<Hit> hits = closest_hits(bvh, primitives, rays, opacity);
+  const std::vector<accel::Occlusion> occluded = occlusions(bvh, primitives, rays, opacity);
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    const Hit expected = bvh.closest_hit(primitives, rays[i]);
+    const Hit expected = bvh.closest_hit(primitives, rays[i], opacity);
     ASSERT_TRUE(identical(hits[i], expected))
         << i << " of " << rays.size() << "\nexpected " << describe(rays[i], expected) << "\n     got "
         << describe(rays[i], hits[i]);
-    ASSERT_EQ(occluded[i], expected.found() ? 1 : 0) << describe(rays[i], expected);
+    ASSERT_EQ(occluded[i], bvh.occlusion(primitives, rays[i], opacity)) << describe(rays[i], expected);
+    ASSERT_EQ(occluded[i] != accel::Occlusion::kNone, expected.found()) << describe(rays[i], expected);
   }
 }
 

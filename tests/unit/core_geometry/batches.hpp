@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include "tests/unit/core_geometry/shapes.hpp"
@@ -25,14 +24,17 @@ Rays random_rays(const Soup& soup, Random& random, std::size_t count);
 Rays parallel_rays(Random& random, std::size_t count);
 
 // The answers of both queries of many rays.
-std::vector<Hit> closest_hits(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays);
-std::vector<std::uint8_t> any_hits(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays);
+std::vector<Hit> closest_hits(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays,
+                              const accel::HitOpacity* opacity = nullptr);
+std::vector<accel::Occlusion> occlusions(const accel::Bvh& bvh, const Primitives& primitives,
+                                         const Rays& rays, const accel::HitOpacity* opacity = nullptr);
 
 // kLaneCount rows from `first` on.
 WordLanes rows_from(std::size_t first);
 
 // Whether both queries of many rays answer as that of one ray does, bit for bit; a fatal failure if not.
-void expect_same_answers(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays);
+void expect_same_answers(const accel::Bvh& bvh, const Primitives& primitives, const Rays& rays,
+                         const accel::HitOpacity* opacity = nullptr);
 
 // The same of rays among which are some that are none, with the number `bad` where it should not be.
 void expect_same_answers_beside(float bad, const accel::Bvh& bvh, const Soup& soup, Random& random);

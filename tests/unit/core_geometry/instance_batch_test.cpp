@@ -225,9 +225,10 @@ TEST(GroupsThroughInstances, LeakNothingThroughAClosedMesh) {
       ray.direction = test::point_of(primitives, random) - ray.origin;
     }
     const std::vector<Hit> hits = test::closest_hits(bvh, primitives, rays);
-    const std::vector<std::uint8_t> occluded = test::any_hits(bvh, primitives, rays);
+    const std::vector<accel::Occlusion> occluded = test::occlusions(bvh, primitives, rays);
     for (std::size_t i = 0; i < rays.size(); ++i)
-      ASSERT_TRUE(hits[i].found() && occluded[i] == 1) << t << ' ' << test::describe(rays[i], hits[i]);
+      ASSERT_TRUE(hits[i].found() && occluded[i] == accel::Occlusion::kFull)
+          << t << ' ' << test::describe(rays[i], hits[i]);
   }
 }
 

@@ -49,9 +49,10 @@ TEST_P(Watertight, NorDoManyRaysAtOnce) {
     for (Ray& ray : rays)
       ray = ray_at_seam(mesh, batch % 2 == 0 ? origin : center + random.in_box(0.5f * radius), random);
     const std::vector<Hit> hits = test::closest_hits(bvh, primitives, rays);
-    const std::vector<std::uint8_t> occluded = test::any_hits(bvh, primitives, rays);
+    const std::vector<accel::Occlusion> occluded = test::occlusions(bvh, primitives, rays);
     for (std::size_t i = 0; i < rays.size(); ++i)
-      ASSERT_TRUE(hits[i].found() && occluded[i] == 1) << test::describe(rays[i], hits[i]);
+      ASSERT_TRUE(hits[i].found() && occluded[i] == accel::Occlusion::kFull)
+          << test::describe(rays[i], hits[i]);
   }
 }
 
