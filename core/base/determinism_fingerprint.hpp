@@ -9,6 +9,6 @@
 
 namespace tessera::core {
 
-inline constexpr std::string_view kDeterminismFingerprint = "3efa5d46b96a2d39";
+inline constexpr std::string_view kDeterminismFingerprint = "f4f40f4369e15c19";
 
 }  // namespace tessera::core

@@ -15,9 +15,9 @@ constexpr double kUniformShare = 0.1;
 // Fraction of the other choices that are uniform over the tree and the lights at infinity, because the
 // bounds of the whole tree may be inaccurate for a point among its lights.
 constexpr double kEvenShare = 0.25;
-// The noise of the light of a uniform environment, as a standard deviation for the same irradiance, over
-// that of a lamp.
-constexpr double kUniformNoise = 2;
+// What a uniform environment counts beside lamps, for the same irradiance: found by experiment
+// (docs/notebook/paths.md).
+constexpr double kUniformWeight = 0.25;
 
 }  // namespace
 
@@ -54,7 +54,7 @@ LightSampler::Weight LightSampler::weight(const Distant& distant, const ShadingP
 LightSampler::Weight LightSampler::environment_weight(const ShadingPointCache& at, double others) const {
   const auto& [uncompensated, total, excess] = environment_->by_facing[at.facing];
   if (at.compensation == MisCompensation::kOff) return weight(uncompensated);
-  const double uniform = std::max(0.0, kUniformNoise * (total - 2 * excess) - others) / 2;
+  const double uniform = std::max(0.0, kUniformWeight * (total - 2 * excess) - others) / 2;
   const double irradiance = excess + uniform;
   return {irradiance, irradiance > 0 ? std::min(1.0, irradiance / total) : 0};
 }

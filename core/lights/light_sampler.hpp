@@ -9,10 +9,10 @@
 // - On: BSDF samples find the environment, too, so light samples of it are worth what they add. Let a
 //   surface receive the irradiance E from all other lights, Y from a uniform environment and X from what is
 //   brighter. The compensated tables of the environment give (Y - X) / 2 to the uniform part where that is
-//   positive, and the rest to X. By the same argument for all lights (after Karlík et al. 2019), the weight
-//   of the uniform part is (N (Y - X) - E) / 2, where N is its noise over that of lamps, whose shadows have
-//   sharper edges. So a lamp gets all light samples beside a sky that is much dimmer, and beside any sky
-//   whose light is mostly that of its sun, the two are weighed by irradiance.
+//   positive, and the rest to X. All lights together (after Karlík et al. 2019) would give it (Y - X - E) /
+//   2; it is (W (Y - X) - E) / 2, where W is less than 1, because highlights and shadows of lamps have
+//   sharper edges. So a lamp gets all light samples unless the sky is many times as bright; a lamp and a sky
+//   whose light is mostly that of its sun are weighed by irradiance.
 #pragma once
 
 #include <array>
