@@ -43,9 +43,10 @@ heading "Pass 2 of 2: optimised"
 grep -qw avx512dq /proc/cpuinfo && avx512=ON || avx512=OFF
 build tests "-DTESSERA_FARM=ON -DTESSERA_AVX512=$avx512" tests_optimised
 # Of the tests that only compute, one for each processor, at a low priority; beside them twice as many of those with real
-# processes, which wait for most of their time (tests/CMakeLists.txt).
+# processes, which wait for most of their time (tests/CMakeLists.txt), among them no more browsers than processors.
 resources=$PWD/build/tests/resources.json
 cat >"$resources" <<EOF_JSON
-{"version": {"major": 1, "minor": 0}, "local": [{"processors": [{"id": "0", "slots": $jobs}]}]}
+{"version": {"major": 1, "minor": 0},
+ "local": [{"processors": [{"id": "0", "slots": $jobs}], "browsers": [{"id": "0", "slots": $jobs}]}]}
 EOF_JSON
 run_tests tests $((3 * jobs)) --label-exclude '^(unit|farm|fuzz)$' --resource-spec-file "$resources"
