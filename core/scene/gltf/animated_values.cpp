@@ -21,51 +21,51 @@ namespace {
 
 constexpr std::string_view kExtension = "KHR_animation_pointer";
 
-// The words of a JSON pointer (RFC 6901).
-std::vector<std::string> words_of(std::string_view pointer) {
-  std::vector<std::string> words;
+// The reference tokens of a JSON pointer (RFC 6901).
+std::vector<std::string> tokens_of(std::string_view pointer) {
+  std::vector<std::string> tokens;
   for (std::size_t i = 0; i < pointer.size(); ++i) {
     if (pointer[i] == '/') {
-      words.emplace_back();
-    } else if (!words.empty()) {
+      tokens.emplace_back();
+    } else if (!tokens.empty()) {
       const bool is_escape = pointer[i] == '~' && i + 1 < pointer.size();
-      words.back() += is_escape ? (pointer[++i] == '1' ? '/' : '~') : pointer[i];
+      tokens.back() += is_escape ? (pointer[++i] == '1' ? '/' : '~') : pointer[i];
     }
   }
-  return words;
+  return tokens;
 }
 
-bool may_change(const std::vector<std::string>& words) {
+bool may_change(const std::vector<std::string>& tokens) {
   constexpr std::array<std::string_view, 4> kLists{"materials", "nodes", "meshes", "cameras"};
-  if (words.size() < 3) return false;
-  if (words[0] == "extensions") return words[1] == "KHR_lights_punctual";
-  return std::find(kLists.begin(), kLists.end(), words[0]) != kLists.end();
+  if (tokens.size() < 3) return false;
+  if (tokens[0] == "extensions") return tokens[1] == "KHR_lights_punctual";
+  return std::find(kLists.begin(), kLists.end(), tokens[0]) != kLists.end();
 }
 
 // The member or element; null if there is none. A member that may have a default is added.
-JsonValue* step(JsonValue& json, const std::string& word, bool may_add) {
+JsonValue* step(JsonValue& json, const std::string& token, bool may_add) {
   if (auto* list = std::get_if<JsonValue::Array>(&json.content)) {
     std::size_t index = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
-    const bool is_index = error == std::errc() && end == word.data() + word.size() && index < list->size();
+    const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), index);
+    const bool is_index = error == std::errc() && end == token.data() + token.size() && index < list->size();
     return is_index ? &(*list)[index] : nullptr;
   }
   auto* members = std::get_if<JsonValue::Object>(&json.content);
   if (members == nullptr) return nullptr;
   const auto found =
-      std::find_if(members->begin(), members->end(), [&](const auto& member) { return member.key == word; });
+      std::find_if(members->begin(), members->end(), [&](const auto& member) { return member.key == token; });
   if (found != members->end()) return &found->value;
   if (!may_add) return nullptr;
-  members->push_back({word, json.line, {{}, json.line}});
+  members->push_back({token, json.line, {{}, json.line}});
   return &members->back().value;
 }
 
 // nullptr if it points to nothing.
-JsonValue* target_of(JsonValue& root, const std::vector<std::string>& words) {
+JsonValue* target_of(JsonValue& root, const std::vector<std::string>& tokens) {
   JsonValue* at = &root;
-  for (std::size_t i = 0; i < words.size() && at != nullptr; ++i) {
-    const bool is_last = i + 1 == words.size();
-    at = step(*at, words[i], is_last || words[i] == "pbrMetallicRoughness");
+  for (std::size_t i = 0; i < tokens.size() && at != nullptr; ++i) {
+    const bool is_last = i + 1 == tokens.size();
+    at = step(*at, tokens[i], is_last || tokens[i] == "pbrMetallicRoughness");
     if (at != nullptr && !is_last && std::holds_alternative<JsonValue::Null>(at->content))
       at->content = JsonValue::Object();
   }
@@ -76,7 +76,7 @@ JsonValue json_of(float number, int line) {
   return {JsonValue::Number{static_cast<double>(number), {}}, line};
 }
 
-// A truth, a number or a list of numbers, as `before` is, or as the member of this name would be.
+// A boolean, a number or a list of numbers, as `before` is, or as the member of this name would be.
 JsonValue json_of(const std::vector<float>& values, const JsonValue& before, std::string_view name,
                   int line) {
   if (std::holds_alternative<bool>(before.content) || name == "visible") return {values[0] != 0, line};
@@ -93,18 +93,6 @@ std::size_t components_of(const Document& document, const Value& sampler) {
   const auto type = std::find(kTypes.begin(), kTypes.end(), accessor.text("type"));
   if (type == kTypes.end()) accessor.refuse("the output of an animation is no number or vector");
   return static_cast<std::size_t>(type - kTypes.begin()) + 1;
-}
-
-std::vector<float> values_at(const Document& document, Accessors& accessors, const Value& sampler,
-                             float seconds, bool is_rotation) {
-  const std::size_t components = components_of(document, sampler);
-  KeyframeSampler keyframes(sampler, accessors, components);
-  if (components == 1) keyframes.split_weights();
-  if (keyframes.empty()) sampler.refuse("has no keyframes");
-  const std::vector<float> values = keyframes.at(seconds, is_rotation && components == 4);
-  if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); }))
-    sampler.refuse("has a value that is not finite");
-  return values;
 }
 
 // All channels together; more is a damaged or hostile file.
@@ -127,17 +115,27 @@ class PointerAnimation {
   void apply(const Value& channel) {
     const Value target = channel["target"];
     const std::string pointer = pointer_of(target);
-    const std::vector<std::string> words = words_of(pointer);
-    if (!may_change(words))
+    const std::vector<std::string> tokens = tokens_of(pointer);
+    if (!may_change(tokens))
       target.refuse(fmt::format("an animation of {} is not supported", in_quotes(pointer)));
-    if (numbers_ > kMaxNumbers) target.refuse("there are too many animated numbers");
-    const Value sampler = Document::element(animation_["samplers"], channel["sampler"]);
-    const auto values = values_at(document_, accessors_, sampler, seconds_, words.back() == "rotation");
-    numbers_ += values.size();
-    if (numbers_ > kMaxNumbers) target.refuse("there are too many animated numbers");
-    JsonValue* json = target_of(document_.json(), words);
+    const auto values =
+        values_at(Document::element(animation_["samplers"], channel["sampler"]), tokens.back() == "rotation");
+    JsonValue* json = target_of(document_.json(), tokens);
     if (json == nullptr) target.refuse(fmt::format("there is no {}", in_quotes(pointer)));
-    json->content = json_of(values, *json, words.back(), target.line()).content;
+    json->content = json_of(values, *json, tokens.back(), target.line()).content;
+  }
+
+  std::vector<float> values_at(const Value& sampler, bool is_rotation) {
+    const std::size_t components = components_of(document_, sampler);
+    KeyframeSampler keyframes(sampler, accessors_, components);
+    if (components == 1) keyframes.split_weights();
+    if (keyframes.empty()) sampler.refuse("has no keyframes");
+    numbers_ += keyframes.width();
+    if (numbers_ > kMaxNumbers) sampler.refuse("there are too many animated numbers");
+    std::vector<float> values = keyframes.at(seconds_, is_rotation && components == 4);
+    if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); }))
+      sampler.refuse("has a value that is not finite");
+    return values;
   }
 
   Document& document_;

@@ -12,7 +12,7 @@ namespace tessera::core::gltf {
 std::string pointer_of(const Value& target);
 
 // Replaces the values that the chosen animation points to by those at the chosen time. Those of materials,
-// nodes, meshes, cameras and lights can be; others are told. Values of the document that were taken before
+// nodes, meshes, cameras and lights can be; warnings name others. Values of the document that were taken before
 // are no longer valid.
 void apply_pointers(Document& document);
 

@@ -222,14 +222,21 @@ TextureConverter::Value TextureConverter::volume(const Plugin& plugin, const Tex
   if (!child) return value(plugin, "volume", site).value_or(Value{Rgb::gray(1), {}});
   if (child->type() == "constvolume") return value(*child, "value", site).value_or(Value{Rgb::gray(1), {}});
   if (child->type() == "gridvolume") {
-    if (const auto placed = read_grid_volume(conversion_, *child))
-      if (auto grid = grid_texture(conversion_, *child, *placed)) return {Rgb::gray(1), std::move(grid)};
+    if (const auto grid = this->grid(*child)) return {Rgb::gray(1), grid};
   } else {
     child->warn("is not supported");
     child->ignore_all();
   }
   plugin.warn(fmt::format("the constant {} replaces it", kNoTexture));
   return {Rgb::gray(kNoTexture), {}};
+}
+
+std::optional<Texture> TextureConverter::grid(const Plugin& plugin) {
+  const auto [known, is_new] = grids_.try_emplace(plugin.id());
+  if (is_new)
+    if (const auto placed = read_grid_volume(conversion_, plugin))
+      known->second = grid_texture(conversion_, plugin, *placed);
+  return known->second;
 }
 
 TextureConverter::Value TextureConverter::bitmap(const Plugin& plugin, const TextureSite& site) {

@@ -73,6 +73,8 @@ class TextureConverter {
   Value texture(const Plugin& plugin, const TextureSite& site);
   Value convert(const Plugin& plugin, const TextureSite& site);
   Value volume(const Plugin& plugin, const TextureSite& site);
+  // Each grid is read once, for any site; nullopt after a warning.
+  std::optional<Texture> grid(const Plugin& plugin);
   Value bitmap(const Plugin& plugin, const TextureSite& site);
   Value checkerboard(const Plugin& plugin, const TextureSite& site);
   Value attribute(const Plugin& plugin, const TextureSite& site);
@@ -91,6 +93,7 @@ class TextureConverter {
   Conversion& conversion_;
   std::map<std::pair<const TextureImage*, int>, std::pair<Image, Image>> derived_;  // of which, and itself
   std::map<std::tuple<NodeId, UvLayout, const AttributeTextures*>, Value> known_;
+  std::map<NodeId, std::optional<Texture>> grids_;
   std::map<std::array<float, 6>, Image> boards_;  // by their two colours
 };
 

@@ -2,6 +2,8 @@
 // KHR_animation_pointer: animations of any values.
 #include <gmock/gmock.h>
 
+#include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -104,6 +106,23 @@ TEST(GltfAnimatedValues, ThatAreNotThereAreTold) {
   EXPECT_THAT(told("materials"), HasSubstr("is not supported"));
   EXPECT_THAT(told("/materials/0/alphaCutoff", "SCALAR", {0}), HasSubstr("has no keyframes"));
   EXPECT_THAT(told("/materials/0/name/x"), HasSubstr("there is no "));
+}
+
+// Also those of channels that are refused afterwards.
+TEST(GltfAnimatedValues, AreCountedBeforeTheyAreRead) {
+  std::vector<float> values(std::size_t{1} << 20, 0.0f);
+  values[0] = std::numeric_limits<float>::quiet_NaN();
+  Animated animated;
+  const auto metalness = [&animated] {
+    return Animated(animated)
+        .channel("/materials/0/pbrMetallicRoughness/metallicFactor", "SCALAR", {0, 1})
+        .surface()
+        .base_metalness.value;
+  };
+  animated.channel("/meshes/0/weights", "SCALAR", values);
+  EXPECT_EQ(metalness(), 0.5f);
+  animated.channel("/meshes/0/weights", "SCALAR", values);
+  EXPECT_EQ(metalness(), 0.25f) << "there are too many animated numbers";
 }
 
 TEST(GltfAnimatedValues, WithoutAnimationAreThoseOfTheFile) {

@@ -2,6 +2,7 @@
 // Grid volumes of Mitsuba scenes: media and textures.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -175,6 +176,18 @@ TEST(MitsubaGridTexture, OfAlphaIsRoughness) {
   const SceneDescription scene = in_volume("", {{"t.vol", volume_file({2, 1, 1}, {0.04f, 0.28f})}}, "alpha");
   const auto& plastic = std::get<Plastic>(scene.materials.at(0).model);
   EXPECT_FLOAT_EQ(plastic.roughness.evaluate(scene.textures, {UvSets(), {0.5f, 0, 0}}), 0.4f);
+}
+
+TEST(MitsubaGridTexture, IsReadOnceForShapesOfAnyLayout) {
+  const SceneDescription scene =
+      scene_of("<bsdf type=\"diffuse\" id=\"b\"><texture type=\"volume\" name=\"reflectance\">" +
+                   grid("volume", "t.vol") +
+                   "</texture></bsdf><shape type=\"rectangle\"><ref id=\"b\"/></shape>"
+                   "<shape type=\"sphere\"><ref id=\"b\"/></shape>",
+               {{"t.vol", volume_file({2, 1, 1}, {0, 1})}});
+  EXPECT_EQ(std::count_if(scene.textures.begin(), scene.textures.end(),
+                          [](const Texture& texture) { return texture.image != nullptr; }),
+            1);
 }
 
 TEST(MitsubaGridTexture, WithoutAFileIsTold) {
