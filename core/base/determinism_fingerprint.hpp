@@ -9,6 +9,6 @@
 
 namespace tessera::core {
 
-inline constexpr std::string_view kDeterminismFingerprint = "f4f40f4369e15c19";
+inline constexpr std::string_view kDeterminismFingerprint = "f807718329797af4";
 
 }  // namespace tessera::core

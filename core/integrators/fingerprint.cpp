@@ -204,6 +204,46 @@ SceneDescription moving_scene() {
   return scene;
 }
 
+Texture procedural(const Pattern& pattern, PatternSpace space = PatternSpace::kPosition) {
+  return {.image = nullptr, .procedural = ProceduralTexture{.pattern = pattern, .space = space}};
+}
+
+// What the other scenes lack: light of a sun through a pane, and procedural textures.
+SceneDescription sunlit_room() {
+  SceneDescription scene;
+  scene.settings = {.width_px = 16, .height_px = 16, .spp = 8};
+  scene.camera = {.position = {0, 1, 4}, .look_at = {0, 1, 0}};
+  const auto texture = [](int index) { return ColorParameter{Rgb::gray(1), index}; };
+  scene.textures = {sky(),
+                    checks(),
+                    procedural(FbmPattern{}),
+                    procedural(MarblePattern{.scale = 2}),
+                    procedural(DotsPattern{}, PatternSpace::kUv),
+                    procedural(MixPattern{texture(2), texture(3), {1, 4}}),
+                    procedural(ProjectedPattern{texture(1), Projection::kSpherical}),
+                    procedural(WrinkledPattern{}),
+                    procedural(PowerPattern{texture(7), 0.6f}),
+                    procedural(GridPattern{.layers = texture(1), .depth = 2, .columns = 2}),
+                    procedural(FacingPattern{}, PatternSpace::kNormal),
+                    procedural(ProductPattern{texture(9), texture(10)}),
+                    procedural(WindyPattern{})};
+  scene.materials = {{.name = "floor", .model = Lambert{texture(5)}},
+                     {.name = "wall", .model = Lambert{texture(6)}, .bump = {.texture = 12, .height = 0.1f}},
+                     {.name = "side", .model = Lambert{texture(11)}},
+                     {.name = "ball", .model = Plastic{.diffuse = texture(8), .roughness = {1, 7}}},
+                     {.name = "pane", .model = Glass{}}};
+  scene.shapes = {QuadDescription{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, 0},
+                  QuadDescription{{-2, 0, -2}, {4, 0, 0}, {0, 3, 0}, 1},
+                  QuadDescription{{-2, 0, 2}, {0, 0, -4}, {0, 3, 0}, 2},
+                  QuadDescription{{2, 0, -2}, {0, 0, 4}, {0, 3, 0}, 2},
+                  QuadDescription{{-2, 3, -2}, {4, 0, 0}, {0, 0, 4}, 2},
+                  SphereDescription{{0.5f, 0.6f, -0.5f}, 0.6f, 3},
+                  QuadDescription{{-2, 0, 2.1f}, {4, 0, 0}, {0, 3, 0}, 4},
+                  QuadDescription{{-2, 0, 2}, {0, 3, 0}, {4, 0, 0}, 4}};
+  scene.environment = {{Rgb::gray(0.5f), 0}, 150};
+  return scene;
+}
+
 void append_sums(const Scene& scene, Integrator integrator, std::vector<std::uint64_t>& sums) {
   RenderSettings settings = scene.settings();
   settings.integrator = integrator;
@@ -285,7 +325,7 @@ SceneDescription fingerprint_scene() {
 std::string determinism_fingerprint() {
   std::vector<std::uint64_t> sums;
   for (SceneDescription (*describe)() :
-       {&fingerprint_scene, &scene_without_media, &scene_with_media, &moving_scene}) {
+       {&fingerprint_scene, &scene_without_media, &scene_with_media, &moving_scene, &sunlit_room}) {
     const auto scene = Scene::build(describe(), 1);
     if (!scene) throw std::logic_error(scene.error().message);
     append_sums(*scene, Integrator::kMis, sums);
