@@ -9,7 +9,7 @@ symbols=$(nm --demangle "$binary") || exit 2
 # A binary whose symbols are stripped would pass whatever it contains.
 grep -q ' main$' <<<"$symbols" || { echo "check_coordinator.sh: $binary has no symbol 'main'" >&2; exit 2; }
 
-found=$(grep -E 'tessera::core::(render\(|render_sample\(|Bvh::|trace_path)' <<<"$symbols" || true)
+found=$(grep -E 'tessera::core::(integrators|accel)::' <<<"$symbols" || true)
 [ -n "$found" ] || exit 0
 printf 'The coordinator links the renderer:\n%s\n' "$found"
 exit 1
