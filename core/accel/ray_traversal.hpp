@@ -44,8 +44,9 @@ class OpacityOf {
   // Whether hits of the packet need at().
   template <Query kQuery>
   bool decides(const BvhPacket& packet) const {
-    constexpr auto kLeast = kQuery == Query::kClosest ? MaterialOpacity::kCutOut : MaterialOpacity::kPartial;
-    return packet.opacity >= kLeast && hits_ != nullptr;
+    constexpr auto kThreshold =
+        kQuery == Query::kClosest ? MaterialOpacity::kCutOut : MaterialOpacity::kPartial;
+    return packet.opacity >= kThreshold && hits_ != nullptr;
   }
   // `hit` has neither an instance nor a time.
   Opacity at(Hit hit, float time) const {

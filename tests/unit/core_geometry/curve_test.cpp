@@ -3,54 +3,20 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 
-#include "core/accel/slab_test.hpp"
-#include "core/accel/tube_test.hpp"
 #include "core/geometry/cylinder.hpp"
+#include "tests/unit/core_geometry/curve_parts.hpp"
 #include "tests/unit/core_geometry/shapes.hpp"
 
 namespace tessera::core {
 namespace {
 
-CurvePart straight(Vec3d start, Vec3d end, double start_radius, double end_radius,
-                   CurveShape shape = CurveShape::kRound) {
-  CurvePart part;
-  part.shape = shape;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double share = static_cast<double>(i) / 3;
-    part.points[i] = (1 - share) * start + share * end;
-    part.radii[i] = (1 - share) * start_radius + share * end_radius;
-  }
-  return part;
-}
-
-Vec3d place(const CurvePart& part, double u) {
-  const double v = 1 - u;
-  return v * v * v * part.points[0] + 3 * u * v * v * part.points[1] + 3 * u * u * v * part.points[2] +
-         u * u * u * part.points[3];
-}
-
-Vec3d unit(Vec3d v) {
-  return (1 / length(v)) * v;
-}
-
-Vec3d wide(test::Random& random, float half_size) {
-  return Vec3d(random.in_box(half_size));
-}
-
-// A part that bends by about a right angle, of any thickness up to half of its radius of curvature.
-CurvePart bent(test::Random& random, CurveShape shape) {
-  CurvePart part;
-  part.shape = shape;
-  part.points[0] = wide(random, 1);
-  const Vec3d along = Vec3d(random.direction());
-  for (std::size_t i = 1; i < 4; ++i) part.points[i] = part.points[i - 1] + along + 0.3 * wide(random, 1);
-  const double thickness = std::ldexp(0.3, -static_cast<int>(random.below(12)));
-  for (double& radius : part.radii) radius = thickness * static_cast<double>(random.uniform(0.8f, 1.2f));
-  return part;
-}
+using test::bent;
+using test::place;
+using test::straight;
+using test::unit;
+using test::wide;
 
 // A point of the surface of a round part, and its normal.
 struct OnRound {
@@ -337,89 +303,6 @@ TEST(Curves, LieWithinTheirBoundsAndTubes) {
       EXPECT_LE(foot, length(Vec3d(tube.end) - Vec3d(tube.start)) + radius);
     }
   }
-}
-
-// Four parts, of which the first two are like those that segments are divided into.
-std::array<CurvePart, accel::BvhPacket::kWidth> parts_of_packet(test::Random& random, CurveShape shape) {
-  std::array<CurvePart, accel::BvhPacket::kWidth> parts;
-  for (std::size_t lane = 0; lane < parts.size(); ++lane) {
-    CurvePart& part = parts[lane] = bent(random, shape);
-    if (lane > 1) continue;
-    const Vec3d along = Vec3d(random.direction());
-    for (std::size_t i = 1; i < 4; ++i)
-      part.points[i] = part.points[i - 1] + 0.1 * along + 0.01 * wide(random, 1);
-    part.radii.fill(0.0125);
-  }
-  return parts;
-}
-
-accel::BvhPacket packet_of(const std::array<CurvePart, accel::BvhPacket::kWidth>& parts) {
-  accel::BvhPacket packet;
-  packet.kind = GeometryKind::kCurve;
-  packet.lanes = (1u << accel::BvhPacket::kWidth) - 1;
-  for (std::uint32_t lane = 0; lane < parts.size(); ++lane)
-    accel::set_tube(packet, lane, tube_around(parts[lane]));
-  return packet;
-}
-
-// From anywhere around a part, also from inside of it, past it or along it.
-ObjectRay ray_near(const CurvePart& part, test::Random& random) {
-  const double u = static_cast<double>(random.uniform(0, 1));
-  const Vec3d target = place(part, u) + 1.5 * curve_radius(part, u) * Vec3d(random.direction());
-  const double distance = std::ldexp(1000.0, -static_cast<int>(random.below(20)));
-  Vec3d direction = Vec3d(random.direction());
-  if (random.below(4) == 0) direction = unit(curve_tangent(part, u)) + 0.01 * direction;
-  const Vec3d origin = Vec3d((target - distance * direction).rounded());
-  return {origin, std::ldexp(1.0, static_cast<int>(random.below(20)) - 10) * (target - origin), 1e30f};
-}
-
-TEST(TubeTest, KeepsEveryPartThatIsHit) {
-  test::Random random(9);
-  int hits = 0;
-  for (const CurveShape shape : {CurveShape::kRound, CurveShape::kFlat})
-    for (int i = 0; i < 5000; ++i) {
-      const auto parts = parts_of_packet(random, shape);
-      const accel::BvhPacket packet = packet_of(parts);
-      const ObjectRay ray = ray_near(parts[random.below(accel::BvhPacket::kWidth)], random);
-      for (std::size_t lane = 0; lane < parts.size(); ++lane) {
-        const auto hit = intersect_curve(parts[lane], ray);
-        if (!hit) continue;
-        const float limit = accel::box_limit(static_cast<float>(hit->t));
-        EXPECT_TRUE(accel::curves_near(packet, ray, limit) >> lane & 1) << i << ' ' << lane;
-        ++hits;
-      }
-    }
-  EXPECT_GT(hits, 3000);
-}
-
-TEST(TubeTest, RejectsPartsBesideBehindAndBeyond) {
-  const CurvePart part = straight({-1, 0, 0}, {1, 0, 0}, 0.1, 0.1);
-  const accel::BvhPacket packet = packet_of({part, part, part, part});
-  const auto is_near = [&](Vec3d origin, Vec3d direction, float limit) {
-    return accel::curves_near(packet, ObjectRay(origin, direction, 1e30f), limit) != 0;
-  };
-  EXPECT_TRUE(is_near({0.9, 0.05, -5}, {0, 0, 1}, 1e30f));
-  EXPECT_FALSE(is_near({0.9, 0.11, -5}, {0, 0, 1}, 1e30f)) << "beside it";
-  EXPECT_FALSE(is_near({1.2, 0.05, -5}, {0, 0, 1}, 1e30f)) << "beyond its end";
-  EXPECT_FALSE(is_near({1.6, 0, -0.5}, {-1, 0, -1}, 1e30f)) << "beyond its end, away from it";
-  EXPECT_FALSE(is_near({0.9, 0.05, 5}, {0, 0, 1}, 1e30f)) << "behind the origin";
-  EXPECT_FALSE(is_near({0.9, 0.05, -5}, {0, 0, 1}, 4.8f)) << "beyond the limit";
-}
-
-// Most parts that a ray comes near are hit: of those that segments are divided into, seen from aside.
-TEST(TubeTest, KeepsFewPartsThatAreMissed) {
-  test::Random random(10);
-  int near = 0, hits = 0;
-  for (int i = 0; i < 5000; ++i) {
-    const auto parts = parts_of_packet(random, CurveShape::kRound);
-    const Vec3d origin = 5.0 * Vec3d(random.direction());
-    const ObjectRay ray(origin, parts[0].points[1] + 0.1 * wide(random, 1) - origin, 1e30f);
-    if ((accel::curves_near(packet_of(parts), ray, 1e30f) & 1) == 0) continue;
-    ++near;
-    hits += intersect_curve(parts[0], ray) ? 1 : 0;
-  }
-  EXPECT_GT(near, 500);
-  EXPECT_GT(hits, 0.5 * near);
 }
 
 }  // namespace
