@@ -9,6 +9,6 @@
 
 namespace tessera::core {
 
-inline constexpr std::string_view kDeterminismFingerprint = "f807718329797af4";
+inline constexpr std::string_view kDeterminismFingerprint = "fe0e4be32a8fe351";
 
 }  // namespace tessera::core

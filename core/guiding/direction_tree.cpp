@@ -12,8 +12,6 @@
 namespace tessera::core::guiding {
 namespace {
 
-// Squares with fewer examples are not divided.
-constexpr std::size_t kMinToDivide = 4;
 constexpr int kFinestSquares = 128;  // along a side; about two degrees each
 constexpr float kMinSide = 1.0f / kFinestSquares;
 // A prior of this many examples, spread uniformly over the sphere, gives every direction some density even
@@ -114,7 +112,7 @@ DirectionTrees::DirectionTrees() {
   store(std::array{Leaf{0, 1}}, 1);
 }
 
-DirectionTrees::Added DirectionTrees::add(std::span<const DirectedLight> lights) {
+DirectionTrees::Added DirectionTrees::add(std::span<const DirectedLight> lights, Detail detail) {
   std::vector<Divider::Example> examples;
   examples.reserve(lights.size());
   float power = 0;
@@ -126,7 +124,7 @@ DirectionTrees::Added DirectionTrees::add(std::span<const DirectedLight> lights)
   }
   const float prior_power = kPriorExamples * power / static_cast<float>(lights.size());
   // Doubles the minimum number of examples while there are too many leaves for a tree.
-  for (std::size_t least = kMinToDivide;; least *= 2) {
+  for (auto least = static_cast<std::size_t>(detail);; least *= 2) {
     Divider divider(prior_power, least);
     divider.divide(examples, {{0, 0}, 1, 0});
     if (divider.leaves().size() > kMaxLeaves) continue;

@@ -33,8 +33,11 @@ class DirectionTrees {
     Root root;
     float root_mean_square;  // expected root mean square of a sample's value, in units of power
   };
+  // Squares of directions with fewer examples than this are not divided. Few of them resolve the image of a
+  // lamp in a glass ball; many leave no gaps in the view through a window.
+  enum class Detail : std::size_t { kFine = 4, kCoarse = 12 };
   // The last bits of the result depend on the order of `lights`, which must not be empty.
-  Added add(std::span<const DirectedLight> lights);
+  Added add(std::span<const DirectedLight> lights, Detail detail = Detail::kFine);
 
   template <typename T>
   struct DirectionOf {

@@ -16,13 +16,15 @@ namespace {
 // Cells with more photons are divided; cells with fewer are not reliable.
 constexpr std::size_t kMaxCellPhotons = 256, kMinCellPhotons = 8;
 constexpr float kMinShare = 0.05f, kMaxShare = 0.7f;
-// The number of estimates of other light for a cell.
-constexpr std::size_t kProbes = 16;
+// The number of places in a cell for which its light is estimated.
+constexpr std::size_t kPlaces = 16;
 // The fraction of a caustic's light that comes from directions that the guide cannot distinguish from their
 // neighbours. Elsewhere the power alone predicts sample values.
 constexpr float kConcentration = 0.3f;
 // Clamps a sample's value, in units of the cell's irradiance, so that sums stay finite.
 constexpr float kLargestValue = 1e12f;
+// The radius of a parallax sphere, over the diagonal of its cell, is at most this.
+constexpr float kFarthest = 1000;
 
 // 0 to 5: the axis along which `normal` is longest, and its sign.
 template <typename T>
@@ -59,6 +61,28 @@ Aabb widened(const Aabb& box) {
   return {box.lower - all, box.upper + all};
 }
 
+// Of an opening through which light comes from infinity: how much its direction turns back along a way
+// between places. A linear regression; 0 if it does not.
+float inverse_distance_of_opening(std::span<const Photon> photons) {
+  Vec3 position, wi;
+  for (const Photon& photon : photons) {
+    position += photon.position;
+    wi += photon.wi;
+  }
+  const float per_photon = 1 / static_cast<float>(photons.size());
+  position = position * per_photon;
+  wi = wi * per_photon;
+  if (!(length_squared(wi) > 0)) return 0;
+  const Vec3 axis = normalize(wi);
+  float turned = 0, way = 0;
+  for (const Photon& photon : photons) {
+    const Vec3 from = photon.position - position, across = from - axis * dot(from, axis);
+    turned -= dot(across, photon.wi - wi);
+    way += length_squared(across);
+  }
+  return way > 0 ? std::max(0.0f, turned / way) : 0;
+}
+
 // The distance to the sphere from a point inside.
 template <typename T>
 T distance_to_sphere(Vec3Of<T> in_sphere, T radius, Vec3Of<T> wi) {
@@ -93,7 +117,7 @@ constexpr auto kChildByBits = [] {
 // Divides the photons into cells, then computes for each cell how it should be used.
 class LightGuide::Builder {
  public:
-  LightGuide build(std::span<const Photon> photons, const OtherLight& other_light, int threads) {
+  LightGuide build(std::span<const Photon> photons, const ShareOf& share_of, int threads) {
     std::array<std::vector<Photon>, 6> by_facing;
     for (const Photon& photon : photons) by_facing[facing<float>(photon.side_normal)].push_back(photon);
     std::vector<std::uint32_t> roots(by_facing.size());
@@ -108,7 +132,7 @@ class LightGuide::Builder {
     ParallelErrors errors;
 #pragma omp parallel for num_threads(threads) schedule(dynamic, 16)
     for (std::int64_t c = 0; c < count; ++c)
-      errors.run([&] { choose_share(static_cast<std::size_t>(c), other_light); });
+      errors.run([&] { choose_share(static_cast<std::uint32_t>(c), share_of); });
     errors.rethrow();
     return std::move(guide_);
   }
@@ -125,27 +149,39 @@ class LightGuide::Builder {
   // Statistics needed only during the build.
   struct Evidence {
     float guided;  // root mean square of the irradiance estimated by one guided sample
-    std::array<Photon, kProbes> places;
+    std::array<Photon, kPlaces> places;
   };
 
   // Returns the depth of the splits.
   int divide(std::uint32_t split, std::span<Photon> photons) {
     const Aabb box = bounds_of(photons);
-    if (photons.size() <= kMaxCellPhotons) {
+    const int axis = longest_axis(box);
+    if (photons.size() <= kMaxCellPhotons || !(box.extent(axis) > 0)) {
       splits_[split] = {0, kLeaf, add_cell(photons, box)};
       return 0;
     }
-    const int axis = longest_axis(box);
     // A stable sort makes the order of equal keys the same everywhere.
     std::stable_sort(photons.begin(), photons.end(), [axis](const Photon& a, const Photon& b) {
       return a.position[axis] < b.position[axis];
     });
-    const std::size_t half = photons.size() / 2;
+    const std::size_t below_split = split_near_middle(photons, axis);
     const auto child = static_cast<std::uint32_t>(splits_.size());
-    splits_[split] = {photons[half].position[axis], static_cast<std::uint32_t>(axis), child};
+    splits_[split] = {photons[below_split].position[axis], static_cast<std::uint32_t>(axis), child};
     splits_.resize(splits_.size() + 2);
-    const int below = divide(child, photons.first(half));
-    return 1 + std::max(below, divide(child + 1, photons.subspan(half)));
+    const int below = divide(child, photons.first(below_split));
+    return 1 + std::max(below, divide(child + 1, photons.subspan(below_split)));
+  }
+
+  // Where to split photons that are sorted along the axis and not all at the same coordinate: so that none
+  // before it have the coordinate of those behind it, as many as there may be in a plane.
+  static std::size_t split_near_middle(std::span<const Photon> photons, int axis) {
+    const std::size_t half = photons.size() / 2;
+    const auto [first, last] =
+        std::ranges::equal_range(photons, photons[half].position[axis], {},
+                                 [axis](const Photon& photon) { return photon.position[axis]; });
+    const auto before = static_cast<std::size_t>(first - photons.begin()),
+               behind = static_cast<std::size_t>(last - photons.begin());
+    return before > 0 && (behind == photons.size() || half - before <= behind - half) ? before : behind;
   }
 
   // Packs the splits into nodes, level by level, so that all leaves have equal depth.
@@ -191,7 +227,12 @@ class LightGuide::Builder {
       flux += photon.flux;
       flux_over_distance += photon.flux / photon.distance;
     }
-    const float reach = std::max(flux / flux_over_distance, length(box.upper - box.lower));
+    const bool through_opening = !(flux_over_distance > 0);
+    const float over_distance =
+        through_opening ? inverse_distance_of_opening(photons) : flux_over_distance / flux;
+    const float diagonal = length(box.upper - box.lower), reach = over_distance * kFarthest * diagonal > 1
+                                                                      ? std::max(1 / over_distance, diagonal)
+                                                                      : kFarthest * diagonal;
     Cell cell{widened(box), (box.lower + box.upper) * 0.5f, reach, 0, 0};
     const float irradiance = flux / area_of(box);
     std::vector<DirectedLight> lights;
@@ -200,25 +241,18 @@ class LightGuide::Builder {
       const float part = power / flux;
       lights.push_back({from_center(position - cell.center, cell.radius, wi), part, part * value});
     }
-    const auto [directions, root_mean_square] = guide_.trees_.add(lights);
+    const auto [directions, root_mean_square] = guide_.trees_.add(
+        lights, through_opening ? DirectionTrees::Detail::kCoarse : DirectionTrees::Detail::kFine);
     cell.directions = directions;
     guide_.cells_.push_back(cell);
     Evidence& evidence = evidence_.emplace_back(Evidence{root_mean_square * irradiance, {}});
-    for (std::size_t i = 0; i < kProbes; ++i) evidence.places[i] = photons[i * photons.size() / kProbes];
+    for (std::size_t i = 0; i < kPlaces; ++i) evidence.places[i] = photons[i * photons.size() / kPlaces];
     return static_cast<std::uint32_t>(guide_.cells_.size() - 1);
   }
 
-  // A sample takes either the guided light, with root mean square g, or the other light, with r. Its mean
-  // square is g^2 / share + r^2 / (1 - share), which is minimal at share = g / (g + r).
-  void choose_share(std::size_t cell, const OtherLight& other_light) {
+  void choose_share(std::uint32_t cell, const ShareOf& share_of) {
     const auto& [guided, places] = evidence_[cell];
-    float squares = 0;
-    for (std::size_t i = 0; i < kProbes; ++i) {
-      const float value = other_light(places[i], static_cast<std::uint32_t>(cell * kProbes + i));
-      squares += value * value;
-    }
-    const float g = guided, r = std::sqrt(squares / static_cast<float>(kProbes));
-    guide_.cells_[cell + 1].share = std::clamp(g / (g + r), kMinShare, kMaxShare);
+    guide_.cells_[cell + 1].share = share_of({cell, guided, places});
   }
 
   LightGuide guide_;
@@ -226,8 +260,23 @@ class LightGuide::Builder {
   std::vector<Evidence> evidence_;            // of each cell from index 1
 };
 
-LightGuide LightGuide::build(std::span<const Photon> photons, const OtherLight& other_light, int threads) {
-  return Builder().build(photons, other_light, threads);
+LightGuide LightGuide::build(std::span<const Photon> photons, const ShareOf& share_of, int threads) {
+  return Builder().build(photons, share_of, threads);
+}
+
+// With root mean squares g of the guided light and r of the other, the mean square of a sample is g^2 / share
+// + r^2 / (1 - share), which is minimal at share = g / (g + r).
+ShareOf share_beside(OtherLight other) {
+  return [other = std::move(other)](const CellLight& light) {
+    float squares = 0;
+    std::uint32_t n = light.cell * static_cast<std::uint32_t>(light.places.size());
+    for (const Photon& place : light.places) {
+      const float value = other(place, n++);
+      squares += value * value;
+    }
+    const float g = light.guided, r = std::sqrt(squares / static_cast<float>(light.places.size()));
+    return std::clamp(g / (g + r), kMinShare, kMaxShare);
+  };
 }
 
 std::uint32_t LightGuide::cell_at(std::uint32_t facing, Vec3 position) const {

@@ -21,7 +21,7 @@ struct Photon {
   Vec3 position;
   Vec3 side_normal;  // geometric normal, on the side on which the light arrived
   Vec3 wi;           // unit, towards the light's origin
-  float distance;    // to the surface that the light came from; positive
+  float distance;    // to the surface that the light came from; positive; infinite: openings let it in
   float flux;        // luminous, positive
   // The luminance found by a path in the photon's direction that reaches the light by specular scattering
   // only; 0 if the photon was scattered diffusely in between.
@@ -29,15 +29,28 @@ struct Photon {
   bool straight = false;  // whether light samples may find the same light (core/integrators/panes.hpp)
 };
 
+// What is known of the light in a cell of the guide when its share is chosen.
+struct CellLight {
+  std::uint32_t cell;  // number of the cell
+  // Root mean square of the irradiance that one guided sample estimates.
+  float guided;
+  std::span<const Photon> places;  // some of its photons
+};
+// The fraction of samples to be guided in a cell, in [0, 1); 0 if the guide is of no use there. Called by
+// many threads.
+using ShareOf = std::function<float(const CellLight& light)>;
+
 // Estimates the luminous irradiance at a photon's position from all light that is carried neither by
 // photons nor by direct light sampling, with the n-th set of random numbers. Called by many threads.
 using OtherLight = std::function<float(const Photon& photon, std::uint32_t n)>;
+// The share with the least noise where a sample finds either the guided light or `other`.
+ShareOf share_beside(OtherLight other);
 
 class LightGuide {
  public:
   LightGuide() = default;  // an empty guide
   // The result does not depend on `threads`.
-  static LightGuide build(std::span<const Photon> photons, const OtherLight& other_light, int threads);
+  static LightGuide build(std::span<const Photon> photons, const ShareOf& share_of, int threads);
 
   // A neighbourhood of surface positions with similar normals. Read in rows of four numbers.
   struct alignas(64) Cell {
@@ -48,7 +61,7 @@ class LightGuide {
     Vec3 center;
     float radius;
     DirectionTrees::Root directions;
-    float share;  // fraction of samples to be guided, in (0, 1)
+    float share;  // fraction of samples to be guided, in [0, 1)
   };
   std::span<const Cell> cells() const { return std::span(cells_).subspan(1); }
 

@@ -10,6 +10,7 @@
 #include "core/base/parallel_errors.hpp"
 #include "core/integrators/caustic_casters.hpp"
 #include "core/integrators/direct_light.hpp"
+#include "core/integrators/guide_numbers.hpp"
 #include "core/integrators/opacity.hpp"
 #include "core/integrators/panes.hpp"
 #include "core/integrators/path_wavelength.hpp"
@@ -24,9 +25,6 @@ constexpr int kMaxBounces = 12;
 // The number of segments of the paths that estimate other light: more add little accuracy.
 constexpr int kProbeDepth = 4;
 
-// The random numbers of photon paths and probes come from two sampler positions that nothing else uses.
-constexpr std::uint64_t kSeed = 0;
-constexpr int kPhotonRow = 0, kProbeRow = 1;
 constexpr std::uint32_t kLightPad = 0;  // light u, v; choice, coarse and fine
 constexpr std::uint32_t kPlacePad = 1;  // choice of the caster, coarse and fine; place u, v
 constexpr std::uint32_t bounce_pad(int bounce) {
@@ -37,10 +35,6 @@ constexpr std::uint32_t bounce_pad(int bounce) {
 constexpr std::uint64_t ray_name(int ray) {
   return static_cast<std::uint64_t>(ray);
 }
-
-// Guides are built for the middle of the time that the shutter is open. They choose among directions whose
-// light is estimated without bias at any time.
-constexpr float kGuideTime = 0.5f;
 
 // Samples one light; visibility is not tested. `pdf` includes the choice of the light.
 std::optional<lights::LightSample> sample_any_light(const Scene& scene, const lights::LightSampler& lights,
@@ -66,7 +60,7 @@ class PhotonTracer {
 
   // Appends the photons that path `index` deposits.
   void trace(std::uint32_t index, std::vector<guiding::Photon>& photons) const {
-    const sampling::Sampler sampler(kSeed, 0, kPhotonRow, index);
+    const sampling::Sampler sampler(kGuideSeed, 0, kPhotonRow, index);
     const auto first = begin(sampler);
     if (!first) return;
     auto [origin, ray, hit, enclosure, flux, radiance, straight] = *first;
@@ -185,7 +179,7 @@ class PhotonTracer {
 // found by next-event estimation from the second vertex on.
 float probe_other_light(const Scene& scene, const lights::LightSampler& lights, const guiding::Photon& place,
                         std::uint32_t n) {
-  const sampling::Sampler sampler(kSeed, 0, kProbeRow, n);
+  const sampling::Sampler sampler(kGuideSeed, 0, kOtherLightRow, n);
   const auto u = sampler.pad(sampling::scatter_pad(0));
   const Vec3 a = abs(place.position);
   Ray ray{place.position + place.side_normal * (1e-5f * std::max({a.x, a.y, a.z})),
@@ -245,7 +239,7 @@ guiding::LightGuide build_caustic_guide(const Scene& scene, const lights::LightS
   const auto other_light = [&](const guiding::Photon& place, std::uint32_t n) {
     return probe_other_light(scene, lights, place, n);
   };
-  return guiding::LightGuide::build(photons, other_light, threads);
+  return guiding::LightGuide::build(photons, guiding::share_beside(other_light), threads);
 }
 
 }  // namespace tessera::core::integrators

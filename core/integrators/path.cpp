@@ -20,6 +20,7 @@ PathTracer::PathTracer(const RenderPlan& plan, std::span<const sampling::Sampler
       light_sampler_(plan.light_sampler()),
       compensation_(mis_compensation(settings_.integrator)),
       guide_(plan.guide()),
+      environment_guide_(plan.environment_guide()),
       through_panes_(plan.samples_through_panes()),
       lens_lights_(plan.lens_lights()),
       samplers_(samplers),

@@ -109,12 +109,25 @@ class PathTracer {
   float camera_ray_weight(RowView<PathState> state, const EmitterHit& hit, float light_pdf) const;
   template <typename Pdf>
   float emitter_hit_weight(std::uint32_t light, RowView<PathState> state, Pdf pdf) const;
+  float light_sample_pdf(const lights::LightSampleContext& from, std::uint32_t light, Vec3 wi,
+                         float pdf) const;
   using Guidance = guiding::LightGuide::GuidanceOf<FloatN>;
   template <typename Vertices>
   Guidance guidance_at(const Vertices& vertices) const;
   template <typename Vertices>
   void connect_to_lights(const Paths& paths, const Vertices& vertices, FloatN guide_share, unsigned lit,
                          int depth);
+  // Light samples of vertices, and their densities.
+  struct LightConnections {
+    lights::LightSamples lights;
+    WordLanes chosen;  // the light of each lane
+    FloatN pdf;        // per solid angle, with that of the choice
+  };
+  LightConnections sample_lights(const Paths& paths, const lights::LightSampleContexts& from, unsigned lit,
+                                 int depth) const;
+  void guide_to_environment(const lights::LightSampleContexts& from,
+                            const EnvironmentGuide::GuidanceOf<FloatN>& guidance, MaskN guided,
+                            Vec2Of<FloatN> u, LightConnections& connections) const;
   FloatN light_sample_weight(FloatN light_pdf, MaskN delta, FloatN bsdf_pdf) const;
   template <typename Vertices>
   void scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance, int depth);
@@ -137,9 +150,10 @@ class PathTracer {
   const RenderSettings settings_;
   const lights::LightSampler& light_sampler_;
   const lights::MisCompensation compensation_;
-  const guiding::LightGuide* const guide_;  // null if there is none
-  const bool through_panes_;                // RenderPlan::samples_through_panes()
-  const LensLights* const lens_lights_;     // null if there are none
+  const guiding::LightGuide* const guide_;           // null if there is none
+  const EnvironmentGuide* const environment_guide_;  // null if there is none
+  const bool through_panes_;                         // RenderPlan::samples_through_panes()
+  const LensLights* const lens_lights_;              // null if there are none
 
   const std::span<const sampling::Sampler> samplers_;
   const std::span<Rgb> radiance_;

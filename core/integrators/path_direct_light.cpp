@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What PathTracer adds of light that light samples find.
+#include <bit>
 #include <cassert>
 #include <vector>
 
@@ -16,28 +17,10 @@ namespace tessera::core::integrators {
 template <typename Vertices>
 void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices, FloatN guide_share,
                                    unsigned lit, int depth) {
-  const auto u = numbers(paths, depth, sampling::light_pad);
-  const FloatLanes coarse(u[2]), fine(u[3]);
-  std::array<double, kLaneCount> u_light;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-    u_light[lane] = combine_uniforms(coarse[lane], fine[lane]);
-  const lights::LightSampleContexts light_contexts{vertices.position(), vertices.light_normal()};
-  const auto choices = light_sampler_.sample(light_contexts, u_light, lit, compensation_);
-  std::array<const lights::Light*, kLaneCount> chosen{};
-  WordLanes of_lights;
-  FloatLanes pmf;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    const auto& [light, chance] = choices[lane];
-    if ((lit >> lane & 1) != 0 && light != lights::kNoLight) chosen[lane] = &scene_.lights()[light];
-    of_lights.set(lane, light);
-    pmf.set(lane, chance);
-  }
-  const lights::LightSamples lights =
-      sample_lights(chosen, scene_.textures(), light_contexts, {u[0], u[1]}, compensation_,
-                    scene_.has_motion() ? paths.rays.all(&Ray::time) : 0.0f);
+  const auto [lights, chosen, light_pdf] =
+      sample_lights(paths, {vertices.position(), vertices.light_normal()}, lit, depth);
   const BsdfValueOf<FloatN> scattered = vertices.evaluate(lights.wi);
   const MaskN found = lights.found & !is_black(scattered.value);
-  const FloatN light_pdf = pmf.all() * lights.pdf;
   const FloatN weight = light_sample_weight(light_pdf, lights.delta, scattered.pdf * (1 - guide_share));
   if (!any(found)) return;
   const RayOf<FloatN> rays = vertices.rays_toward(lights);
@@ -50,7 +33,78 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
   added.put(&Connection::path, paths.path.all());
   added.put(&Connection::radiance,
             paths.throughput * (scattered.value * lights.radiance) * (weight / light_pdf));
-  added.put(&Connection::light, of_lights.all());
+  added.put(&Connection::light, chosen.all());
+}
+
+// In lanes whose bits are set in `lit`.
+PathTracer::LightConnections PathTracer::sample_lights(const Paths& paths,
+                                                       const lights::LightSampleContexts& from, unsigned lit,
+                                                       int depth) const {
+  constexpr float kBelowOne = 1 - 0x1p-24f;
+  auto u = numbers(paths, depth, sampling::light_pad);
+  EnvironmentGuide::GuidanceOf<FloatN> guidance;
+  MaskN guided = false;
+  if (environment_guide_ != nullptr) {
+    guidance = environment_guide_->at(from);
+    guided = MaskN::from_bits(lit) & (u[2] < guidance.share);
+    u[2] = select(guided, u[2], smaller((u[2] - guidance.share) / (1 - guidance.share), FloatN(kBelowOne)));
+  }
+  const FloatLanes coarse(u[2]), fine(u[3]);
+  std::array<double, kLaneCount> u_light;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    u_light[lane] = combine_uniforms(coarse[lane], fine[lane]);
+  const unsigned chooses = lit & ~guided.bits();
+  const auto choices = light_sampler_.sample(from, u_light, chooses, compensation_);
+  std::array<const lights::Light*, kLaneCount> chosen{};
+  WordLanes of_lights;
+  FloatLanes pmf;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const auto& [light, chance] = choices[lane];
+    if ((chooses >> lane & 1) != 0 && light != lights::kNoLight) chosen[lane] = &scene_.lights()[light];
+    of_lights.set(lane, light);
+    pmf.set(lane, chance);
+  }
+  LightConnections connections{
+      lights::sample_lights(chosen, scene_.textures(), from, {u[0], u[1]}, compensation_,
+                            scene_.has_motion() ? paths.rays.all(&Ray::time) : 0.0f),
+      of_lights,
+      {}};
+  connections.pdf = pmf.all() * connections.lights.pdf;
+  if (any(guidance.share > 0)) guide_to_environment(from, guidance, guided, {u[0], u[1]}, connections);
+  return connections;
+}
+
+// Replaces the samples of guided lanes, and the densities of all where there is guidance.
+void PathTracer::guide_to_environment(const lights::LightSampleContexts& from,
+                                      const EnvironmentGuide::GuidanceOf<FloatN>& guidance, MaskN guided,
+                                      Vec2Of<FloatN> u, LightConnections& connections) const {
+  lights::LightSamples& lights = connections.lights;
+  const std::uint32_t environment = scene_.environment_light();
+  const MaskN mixed = guidance.share > 0;
+  const auto [wi, guide_pdf] = environment_guide_->sample_or(
+      guidance, guided, u, select(lights.found, lights.wi, Vec3Of<FloatN>{0.0f, 0.0f, 1.0f}));
+  FloatN chosen_pdf = connections.pdf;
+  if (any(guided)) {
+    const lights::Environment::Seen seen = scene_.environment().see(from.normal, wi, compensation_);
+    lights.wi = select(guided, wi, lights.wi);
+    lights.radiance = select(guided, seen.radiance, lights.radiance);
+    lights.found = (guided & !is_black(seen.radiance)) | (lights.found & !guided);
+    lights.delta = lights.delta & !guided;
+    lights.distant = lights.distant | guided;
+    const Vec3Lanes positions(from.position), normals(from.normal);
+    FloatLanes pmf(0.0f);
+    for (unsigned lanes = guided.bits(); lanes != 0; lanes &= lanes - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+      connections.chosen.set(lane, environment);
+      pmf.set(lane, light_sampler_.pmf({positions[lane], normals[lane]}, environment, compensation_));
+    }
+    chosen_pdf = select(guided, pmf.all() * seen.pdf, chosen_pdf);
+  }
+  unsigned environments = 0;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    environments |= (connections.chosen[lane] == environment ? 1u : 0u) << lane;
+  const FloatN by_guide = select(MaskN::from_bits(environments), guidance.share * guide_pdf, FloatN(0.0f));
+  connections.pdf = select(mixed, (1 - guidance.share) * chosen_pdf + by_guide, connections.pdf);
 }
 
 // The weight of light that a light sample found, against the BSDF's density. Only light samples find delta

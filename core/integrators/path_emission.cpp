@@ -70,8 +70,22 @@ float PathTracer::emitter_hit_weight(std::uint32_t light, RowView<PathState> sta
   if (last_pdf == kDeltaPdf || settings_.integrator == Integrator::kNaive) return 1;
   const float scale = state.get(&PathState::emitter_mis_scale);
   if (settings_.integrator == Integrator::kNee || scale == 0) return 0;
-  const float pmf = light_sampler_.pmf(state.get(&PathState::last), light, compensation_);
-  return scale * mis_weight(settings_.heuristic, last_pdf, pmf * pdf());
+  const float light_pdf =
+      light_sample_pdf(state.get(&PathState::last), light, state.get(&PathState::ray).direction, pdf());
+  return scale * mis_weight(settings_.heuristic, last_pdf, light_pdf);
+}
+
+// The density with which light samples of the point find the light in the unit direction `wi`. `pdf` is that
+// of the direction, given the light.
+float PathTracer::light_sample_pdf(const lights::LightSampleContext& from, std::uint32_t light, Vec3 wi,
+                                   float pdf) const {
+  const float chosen_pdf = light_sampler_.pmf(from, light, compensation_) * pdf;
+  if (environment_guide_ == nullptr) return chosen_pdf;
+  const auto guidance = environment_guide_->at(from);
+  if (!(guidance.share > 0)) return chosen_pdf;
+  const float others_pdf = (1 - guidance.share) * chosen_pdf;
+  if (light != scene_.environment_light()) return others_pdf;
+  return others_pdf + guidance.share * environment_guide_->sample_or(guidance, false, {}, wi).pdf;
 }
 
 }  // namespace tessera::core::integrators

@@ -56,9 +56,10 @@ float PathTracer::straight_weight(std::uint32_t light, RowView<PathState> state)
   const float scale = state.get(&PathState::emitter_mis_scale);
   if (settings_.integrator == Integrator::kNee || scale == 0) return 0;
   const lights::LightSampleContext last = state.get(&PathState::last);
-  const float pdf = scene_.environment().pdf(last.normal, state.get(&PathState::straight), compensation_),
-              pmf = light_sampler_.pmf(last, light, compensation_);
-  return scale * mis_weight(settings_.heuristic, state.get(&PathState::straight_pdf), pmf * pdf);
+  const Vec3 wi = state.get(&PathState::straight);
+  const float light_pdf =
+      light_sample_pdf(last, light, wi, scene_.environment().pdf(last.normal, wi, compensation_));
+  return scale * mis_weight(settings_.heuristic, state.get(&PathState::straight_pdf), light_pdf);
 }
 
 // Adds the straight light of occluded connections to the environment. Its depth

@@ -43,6 +43,8 @@ RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threa
     auto photons = trace_caustic_photons(scene, prepared->light_sampler, threads, photon_paths);
     prepared->samples_through_panes = remove_straight(scene, photons);
     prepared->guide = build_caustic_guide(scene, prepared->light_sampler, photons, threads);
+    prepared->environment_guide =
+        build_environment_guide(scene, prepared->light_sampler, prepared->samples_through_panes, threads);
   }
   if (uses_lens_lights(scene, settings.integrator)) prepared->lens_lights = LensLights(scene, threads);
   prepared->material_bins = material_bins(scene);

@@ -12,6 +12,7 @@
 #include "core/film/film.hpp"
 #include "core/guiding/light_guide.hpp"
 #include "core/integrators/caustic_guide.hpp"
+#include "core/integrators/environment_guide.hpp"
 #include "core/integrators/lens_lights.hpp"
 #include "core/integrators/light_parts.hpp"
 #include "core/integrators/shading_bins.hpp"
@@ -42,6 +43,10 @@ class RenderPlan {
   const guiding::LightGuide* guide() const {
     return prepared_->guide.cells().empty() ? nullptr : &prepared_->guide;
   }
+  // Where the environment is seen through openings; null if the integrator uses no guide or there are none.
+  const EnvironmentGuide* environment_guide() const {
+    return prepared_->environment_guide.empty() ? nullptr : &prepared_->environment_guide;
+  }
   // Whether light samples of the environment pass panes (panes.hpp).
   bool samples_through_panes() const { return prepared_->samples_through_panes; }
   // The lamps that the lens connects to; null if the integrator or the camera does not, or there are none.
@@ -61,6 +66,7 @@ class RenderPlan {
   struct Prepared {
     lights::LightSampler light_sampler;
     guiding::LightGuide guide;
+    EnvironmentGuide environment_guide;
     bool samples_through_panes = false;
     LensLights lens_lights;
     MaterialBins material_bins;

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <vector>
+
 #include "core/math/lane_array.hpp"
 #include "core/math/octahedral_map.hpp"
 #include "core/math/simd_double.hpp"
@@ -19,7 +22,7 @@ float darker_at_the_left(const Photon& photon, std::uint32_t) {
 }
 
 LightGuide guide_of(std::uint32_t photons, int threads = 1) {
-  return LightGuide::build(test::photons_on_floor(photons), darker_at_the_left, threads);
+  return LightGuide::build(test::photons_on_floor(photons), share_beside(darker_at_the_left), threads);
 }
 
 // 0 where nothing is known.
@@ -48,8 +51,36 @@ TEST(LightGuide, FindsTheCellsOfAllPhotons) {
     const float u = photons[i].position.x;
     photons[i].side_normal = i < 100 ? Vec3{1, 0, 0} : i < 3000 ? Vec3{0, 0, -1} : u < 0.1f ? -kUp : kUp;
   }
-  const LightGuide guide = LightGuide::build(photons, darker_at_the_left, 1);
+  const LightGuide guide = LightGuide::build(photons, share_beside(darker_at_the_left), 1);
   for (const Photon& photon : photons) ASSERT_GT(share_at(guide, photon.position, photon.side_normal), 0);
+}
+
+// Most photons are in a plane across the axis along which all of them are spread the most, as those of a wall
+// behind a ball.
+TEST(LightGuide, FindsTheCellsOfPhotonsInAPlane) {
+  std::vector<Photon> photons = test::photons_on_floor(20000);
+  for (std::size_t i = 0; i < photons.size(); ++i) {
+    const Vec3 place = photons[i].position;
+    photons[i].position = {i % 5 == 0 ? 9 * place.x : 3, place.x, place.z};
+    photons[i].side_normal = {1, 0, 0};
+    photons[i].wi = {1, 0, 0};
+  }
+  const LightGuide guide = LightGuide::build(photons, share_beside(darker_at_the_left), 1);
+  for (const Photon& photon : photons) ASSERT_GT(share_at(guide, photon.position, photon.side_normal), 0);
+}
+
+// The view through an opening moves with the place.
+TEST(LightGuide, KnowsHowFarAnOpeningIs) {
+  const Vec3 opening{0.5f, 2, 0.5f};
+  std::vector<Photon> photons;
+  for (std::uint32_t i = 0; i < 200; ++i) {
+    const auto u = sampling::Sampler(19, 0, 0, i).pad(0);
+    const Vec3 place{u[0], 0, u[1]}, seen = opening + Vec3{0.3f * u[2], 0, 0.3f * u[3]};
+    photons.push_back({place, kUp, normalize(seen - place), std::numeric_limits<float>::infinity(), 1, 0});
+  }
+  const LightGuide guide = LightGuide::build(photons, share_beside(darker_at_the_left), 1);
+  ASSERT_EQ(guide.cells().size(), 1u);
+  EXPECT_NEAR(guide.cells()[0].radius, 2, 0.4f);
 }
 
 // From places all over a cell, not only from its middle.
@@ -106,7 +137,7 @@ TEST(LightGuide, IsAskedForMoreWhereItKnowsMoreOfTheLight) {
 
 TEST(LightGuide, SurvivesPhotonsOfOnePlace) {
   std::vector<Photon> photons(5000, {{1, 2, 3}, kUp, kUp, 1, 1, 1});
-  EXPECT_EQ(share_at(LightGuide::build(photons, darker_at_the_left, 1), {1, 2, 3}), 0);
+  EXPECT_EQ(share_at(LightGuide::build(photons, share_beside(darker_at_the_left), 1), {1, 2, 3}), 0);
 }
 
 // Eight at once are to the bit what each is alone.

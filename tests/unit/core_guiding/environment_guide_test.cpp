@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light samples that know the openings through which the environment lights a room.
+#include "core/integrators/environment_guide.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/integrators/render.hpp"
+#include "core/sampling/sampler.hpp"
+#include "tests/support/mean_radiance.hpp"
+#include "tests/support/test_scenes.hpp"
+
+namespace tessera::core::integrators {
+namespace {
+
+constexpr Vec3 kUp{0, 1, 0};
+// The middle of the opening of room_with_opening().
+constexpr Vec3 kOpening{-2, 1.5f, 0};
+
+// A room of 4 x 3 x 4, whose left wall has an opening of 1 x 1.
+test::SceneMaker room_with_opening() {
+  test::SceneMaker maker(
+      {.position = {1.8f, 1.5f, 1.8f}, .look_at = {-1, 0.8f, -1}, .vertical_fov_degrees = 60});
+  const auto wall = maker.material(test::lambert(0.6f)), ball = maker.material(test::lambert(0.4f));
+  maker.add(QuadDescription{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, wall});     // floor
+  maker.add(QuadDescription{{-2, 3, 2}, {0, 0, -4}, {4, 0, 0}, wall});     // ceiling
+  maker.add(QuadDescription{{-2, 0, -2}, {4, 0, 0}, {0, 3, 0}, wall});     // back
+  maker.add(QuadDescription{{2, 0, 2}, {-4, 0, 0}, {0, 3, 0}, wall});      // front
+  maker.add(QuadDescription{{2, 0, 2}, {0, 3, 0}, {0, 0, -4}, wall});      // right
+  maker.add(QuadDescription{{-2, 0, 2}, {0, 0, -4}, {0, 1, 0}, wall});     // left: below the opening,
+  maker.add(QuadDescription{{-2, 2, 2}, {0, 0, -4}, {0, 1, 0}, wall});     // above it,
+  maker.add(QuadDescription{{-2, 1, 2}, {0, 0, -1.5f}, {0, 1, 0}, wall});  // and on both sides
+  maker.add(QuadDescription{{-2, 1, -0.5f}, {0, 0, -1.5f}, {0, 1, 0}, wall});
+  maker.add(SphereDescription{{0, 0.5f, -0.8f}, 0.5f, ball});
+  maker.description().environment = EnvironmentDescription{{{5, 6, 8}}};
+  return maker;
+}
+
+// Large enough for paths to find it.
+void add_lamp(test::SceneMaker& maker) {
+  const auto lamp = maker.material(test::lambert(0), {1, 1, 0.9f}, false);
+  maker.add(QuadDescription{{-1.5f, 2.9f, 1.5f}, {0, 0, -3}, {3, 0, 0}, lamp});
+}
+
+// A sky with a small sun that shines through the opening onto the floor.
+void add_sun(test::SceneMaker& maker) {
+  constexpr std::size_t kWidth = 256, kHeight = 128;
+  const auto index_of = [](float part, std::size_t size) {
+    return static_cast<std::size_t>(part * static_cast<float>(size));
+  };
+  std::vector<float> texels(3 * kWidth * kHeight, 4.0f);
+  const Vec2 sun = lights::EquirectangularMap(0).uv_of(kOpening - Vec3{0.2f, 0, 0.3f});
+  const std::size_t texel = index_of(sun.y, kHeight) * kWidth + index_of(sun.x, kWidth);
+  for (std::size_t c = 0; c < 3; ++c) texels[3 * texel + c] = 2e5f;
+  maker.description().textures.push_back(
+      {.image = std::make_shared<TextureImage>(TextureImage{kWidth, kHeight, std::move(texels)})});
+  maker.description().environment = EnvironmentDescription{{Rgb::gray(1)}};
+  maker.description().environment->radiance.texture = 0;
+}
+
+// A sheet of glass before the opening.
+void add_pane(test::SceneMaker& maker) {
+  const auto glass = maker.material(Glass{});
+  maker.add(QuadDescription{{-2.1f, 0.9f, 0.6f}, {0, 0, -1.2f}, {0, 1.2f, 0}, glass});
+  maker.add(QuadDescription{{-2.12f, 0.9f, 0.6f}, {0, 1.2f, 0}, {0, 0, -1.2f}, glass});
+}
+
+const EnvironmentGuide* guide_of(const RenderPlan& plan) {
+  return plan.environment_guide();
+}
+bool has_guide(const Scene& scene, Integrator integrator = Integrator::kMis) {
+  return guide_of(prepare(scene, {.integrator = integrator}, 1)) != nullptr;
+}
+
+TEST(EnvironmentGuide, KnowsTheDirectionsOfAnOpening) {
+  const Scene scene = room_with_opening().build();
+  const RenderPlan plan = prepare(scene, {}, 1);
+  const EnvironmentGuide* const guide = guide_of(plan);
+  ASSERT_NE(guide, nullptr);
+  for (const Vec3 place : {Vec3{0.5f, 0, 0.5f}, Vec3{-1, 0, 1}, Vec3{1, 0, 1.5f}}) {
+    const auto guidance = guide->at<float>({place, kUp});
+    ASSERT_GT(guidance.share, 0);
+    const auto pdf = [&](Vec3 wi) { return guide->sample_or(guidance, false, {}, wi).pdf; };
+    EXPECT_GT(pdf(normalize(kOpening - place)), 20 * pdf(normalize(Vec3{2, 1.5f, 0} - place)));
+    int open = 0;
+    constexpr int kSamples = 1000;
+    for (std::uint32_t i = 0; i < kSamples; ++i) {
+      const auto u = sampling::Sampler(1, 0, 0, i).pad(0);
+      const Vec3 wi = guide->sample_or(guidance, true, {u[0], u[1]}, kUp).direction;
+      open += scene.closest_hit(Ray{place + kUp * 1e-4f, wi}).found() ? 0 : 1;
+    }
+    EXPECT_GT(open, kSamples / 2);
+  }
+}
+
+TEST(EnvironmentGuide, IsNoneForSurfacesThatAreLitFromAllSides) {
+  const Scene scene = room_with_opening().build();
+  const RenderPlan plan = prepare(scene, {}, 1);
+  EXPECT_EQ(guide_of(plan)->at<float>({{0.5f, 0, 0.5f}, {}}).share, 0);
+}
+
+TEST(EnvironmentGuide, IsOfUseOnlyThroughOpeningsAndForLightSamples) {
+  const Scene room = room_with_opening().build();
+  EXPECT_TRUE(has_guide(room));
+  EXPECT_TRUE(has_guide(room, Integrator::kNee));
+  EXPECT_FALSE(has_guide(room, Integrator::kNaive));
+  EXPECT_FALSE(has_guide(room, Integrator::kWhitted));
+
+  test::SceneMaker dark = room_with_opening();
+  dark.description().environment.reset();
+  add_lamp(dark);
+  EXPECT_FALSE(has_guide(dark.build())) << "no environment";
+  test::SceneMaker closed = room_with_opening();
+  closed.add(QuadDescription{{-2, 1, 0.5f}, {0, 0, -1}, {0, 1, 0}, 0});
+  EXPECT_FALSE(has_guide(closed.build())) << "no opening";
+  test::SceneMaker open = room_with_opening();
+  open.description().shapes.erase(open.description().shapes.begin() + 1, open.description().shapes.end() - 1);
+  EXPECT_FALSE(has_guide(open.build())) << "nothing but a floor and a ball";
+}
+
+test::Mean mean_of_seeds(const Scene& scene, RenderSettings settings, std::uint32_t spp) {
+  constexpr int kRuns = 6;
+  double sum = 0, sum2 = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    settings.seed = static_cast<std::uint64_t>(run) + 1;
+    const double value = test::mean_radiance(scene, settings, spp, 8).value;
+    sum += value;
+    sum2 += value * value;
+  }
+  const double mean = sum / kRuns;
+  return {mean, std::sqrt(std::max(0.0, sum2 / kRuns - mean * mean) / (kRuns - 1))};
+}
+
+constexpr std::uint32_t kSpp = std::max(4u, 16 / test::kEffortDivisor);
+
+// All strategies find in the scene what `paths` have found.
+void expect_mean(const Scene& scene, const test::Mean& paths, int max_depth) {
+  ASSERT_LT(paths.standard_error, 0.02 * test::kEffortDivisor * paths.value) << "too noisy to tell";
+  for (const test::Strategy& strategy : test::kStrategies) {
+    if (strategy.integrator == Integrator::kNaive) continue;
+    ASSERT_TRUE(has_guide(scene, strategy.integrator));
+    const test::Mean mean = mean_of_seeds(
+        scene, {.integrator = strategy.integrator, .heuristic = strategy.heuristic, .max_depth = max_depth},
+        2 * kSpp);
+    EXPECT_NEAR(mean.value, paths.value, 5 * std::hypot(mean.standard_error, paths.standard_error))
+        << strategy.name << ", depth " << max_depth;
+  }
+}
+
+void expect_mean_of_paths(const Scene& scene, int max_depth = 0) {
+  const RenderSettings paths{.integrator = Integrator::kNaive, .max_depth = max_depth};
+  expect_mean(scene, mean_of_seeds(scene, paths, 32 * kSpp), max_depth);
+}
+
+TEST(EnvironmentGuide, LeavesTheMeanThatOfPaths) {
+  expect_mean_of_paths(room_with_opening().build());
+  expect_mean_of_paths(room_with_opening().build(), 1);
+}
+
+TEST(EnvironmentGuide, LeavesTheMeanThatOfPathsBesideALamp) {
+  test::SceneMaker maker = room_with_opening();
+  add_lamp(maker);
+  expect_mean_of_paths(maker.build());
+}
+
+// Paths alone do not find the sun. In a scene with a medium, here outside the room, there is no guide.
+TEST(EnvironmentGuide, LeavesTheMeanThatOfUnguidedLightSamplesUnderASun) {
+  test::SceneMaker maker = room_with_opening();
+  add_sun(maker);
+  const Scene scene = maker.build();
+  maker.description().media = {{.sigma_a = Rgb::gray(1)}};
+  const auto haze = maker.material(test::lambert(0.5f));
+  maker.description().materials[haze].media.interior = 0;
+  maker.add(SphereDescription{{9, -9, 9}, 0.1f, haze});
+  const Scene unguided = maker.build();
+  ASSERT_FALSE(has_guide(unguided));
+  expect_mean(scene, mean_of_seeds(unguided, {.max_depth = 2}, 4 * kSpp), 2);
+}
+
+TEST(EnvironmentGuide, LeavesTheMeanThatOfPathsThroughAPane) {
+  test::SceneMaker maker = room_with_opening();
+  add_pane(maker);
+  const Scene scene = maker.build();
+  ASSERT_TRUE(prepare(scene, {}, 1).samples_through_panes());
+  expect_mean_of_paths(scene);
+}
+
+TEST(EnvironmentGuide, DoesNotDependOnThreadsOrOnHowARenderIsCut) {
+  test::SceneMaker maker = room_with_opening();
+  add_lamp(maker);
+  const Scene scene = maker.build();
+  const RenderSettings settings{.width_px = 24, .height_px = 16, .spp = 8};
+  const RenderPlan plan = prepare(scene, settings, 3);
+  ASSERT_NE(guide_of(plan), nullptr);
+  const FilmTile whole = render(plan, {0, 0, 24, 16}, {0, 8}, 1);
+  EXPECT_EQ(render(prepare(scene, settings, 1), {0, 0, 24, 16}, {0, 8}, 3).sums, whole.sums);
+  const FilmTile piece = render(plan, {5, 3, 6, 4}, {0, 8}, 1);
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(piece.sums[c], whole.sums[3 * (3 * 24 + 5) + c]);
+}
+
+}  // namespace
+}  // namespace tessera::core::integrators
