@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/integrators/render.hpp"
+#include "core/integrators/render_plan.hpp"
 #include "tests/support/effort.hpp"
 
 namespace tessera::test {
@@ -28,15 +29,14 @@ inline constexpr Strategy kStrategies[] = {{"naive", core::Integrator::kNaive},
                                            {"mis by power", core::Integrator::kMis, core::Heuristic::kPower}};
 
 // The mean radiance (red channel) of every pixel's first `spp` samples, with the error of that mean. The
-// settings' size and spp do not count.
-inline Mean mean_radiance(const core::Scene& scene, core::RenderSettings settings, std::uint32_t spp,
-                          int side_px = 4) {
+// settings' size and spp do not count; the plan is for their integrator.
+inline Mean mean_radiance(const core::integrators::RenderPlan& plan, core::RenderSettings settings,
+                          std::uint32_t spp, int side_px = 4) {
   settings.width_px = settings.height_px = side_px;
   settings.spp = spp;
   double sum = 0, sum2 = 0;
   const int n = side_px * side_px;
-  const core::FilmTile tile =
-      render(core::integrators::prepare(scene, settings, 2), {0, 0, side_px, side_px}, {0, spp}, 2);
+  const core::FilmTile tile = render(plan.with(settings), {0, 0, side_px, side_px}, {0, spp}, 2);
   for (int p = 0; p < n; ++p) {
     const double v = static_cast<double>(tile.sums[static_cast<std::size_t>(3 * p)]) * core::kFilmUnit / spp;
     sum += v;
@@ -44,6 +44,25 @@ inline Mean mean_radiance(const core::Scene& scene, core::RenderSettings setting
   }
   const double mean = sum / n, variance = std::max(0.0, sum2 / n - mean * mean);
   return {mean, std::sqrt(variance / (n - 1))};
+}
+inline Mean mean_radiance(const core::Scene& scene, const core::RenderSettings& settings, std::uint32_t spp,
+                          int side_px = 4) {
+  return mean_radiance(core::integrators::prepare(scene, settings, 2), settings, spp, side_px);
+}
+
+// The mean of such means of 8 x 8 pixels with different seeds, whose differences give its error.
+inline Mean mean_of_seeds(const core::Scene& scene, core::RenderSettings settings, std::uint32_t spp,
+                          int seeds = 8) {
+  const core::integrators::RenderPlan plan = core::integrators::prepare(scene, settings, 2);
+  double sum = 0, sum2 = 0;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    settings.seed = static_cast<std::uint64_t>(seed);
+    const double value = mean_radiance(plan, settings, spp, 8).value;
+    sum += value;
+    sum2 += value * value;
+  }
+  const double mean = sum / seeds;
+  return {mean, std::sqrt(std::max(0.0, sum2 / seeds - mean * mean) / (seeds - 1))};
 }
 
 inline constexpr std::uint32_t kSampleDivisor = kEffortDivisor;

@@ -124,19 +124,6 @@ TEST(EnvironmentGuide, IsOfUseOnlyThroughOpeningsAndForLightSamples) {
   EXPECT_FALSE(has_guide(open.build())) << "nothing but a floor and a ball";
 }
 
-test::Mean mean_of_seeds(const Scene& scene, RenderSettings settings, std::uint32_t spp) {
-  constexpr int kRuns = 6;
-  double sum = 0, sum2 = 0;
-  for (int run = 0; run < kRuns; ++run) {
-    settings.seed = static_cast<std::uint64_t>(run) + 1;
-    const double value = test::mean_radiance(scene, settings, spp, 8).value;
-    sum += value;
-    sum2 += value * value;
-  }
-  const double mean = sum / kRuns;
-  return {mean, std::sqrt(std::max(0.0, sum2 / kRuns - mean * mean) / (kRuns - 1))};
-}
-
 constexpr std::uint32_t kSpp = std::max(4u, 16 / test::kEffortDivisor);
 
 // All strategies find in the scene what `paths` have found.
@@ -145,7 +132,7 @@ void expect_mean(const Scene& scene, const test::Mean& paths, int max_depth) {
   for (const test::Strategy& strategy : test::kStrategies) {
     if (strategy.integrator == Integrator::kNaive) continue;
     ASSERT_TRUE(has_guide(scene, strategy.integrator));
-    const test::Mean mean = mean_of_seeds(
+    const test::Mean mean = test::mean_of_seeds(
         scene, {.integrator = strategy.integrator, .heuristic = strategy.heuristic, .max_depth = max_depth},
         2 * kSpp);
     EXPECT_NEAR(mean.value, paths.value, 5 * std::hypot(mean.standard_error, paths.standard_error))
@@ -155,7 +142,7 @@ void expect_mean(const Scene& scene, const test::Mean& paths, int max_depth) {
 
 void expect_mean_of_paths(const Scene& scene, int max_depth = 0) {
   const RenderSettings paths{.integrator = Integrator::kNaive, .max_depth = max_depth};
-  expect_mean(scene, mean_of_seeds(scene, paths, 32 * kSpp), max_depth);
+  expect_mean(scene, test::mean_of_seeds(scene, paths, 32 * kSpp), max_depth);
 }
 
 TEST(EnvironmentGuide, LeavesTheMeanThatOfPaths) {
@@ -180,7 +167,7 @@ TEST(EnvironmentGuide, LeavesTheMeanThatOfUnguidedLightSamplesUnderASun) {
   maker.add(SphereDescription{{9, -9, 9}, 0.1f, haze});
   const Scene unguided = maker.build();
   ASSERT_FALSE(has_guide(unguided));
-  expect_mean(scene, mean_of_seeds(unguided, {.max_depth = 2}, 4 * kSpp), 2);
+  expect_mean(scene, test::mean_of_seeds(unguided, {.max_depth = 2}, 4 * kSpp), 2);
 }
 
 TEST(EnvironmentGuide, LeavesTheMeanThatOfPathsThroughAPane) {

@@ -49,30 +49,17 @@ Scene under_a_sunny_pane(float brightness, const MaterialModel& ball = test::lam
   return maker.build();
 }
 
-test::Mean mean_of_seeds(const Scene& scene, RenderSettings settings, std::uint32_t spp) {
-  constexpr int kRuns = 8;
-  double sum = 0, sum2 = 0;
-  for (int run = 0; run < kRuns; ++run) {
-    settings.seed = static_cast<std::uint64_t>(run) + 1;
-    const double value = test::mean_radiance(scene, settings, spp, 8).value;
-    sum += value;
-    sum2 += value * value;
-  }
-  const double mean = sum / kRuns;
-  return {mean, std::sqrt(std::max(0.0, sum2 / kRuns - mean * mean) / (kRuns - 1))};
-}
-
 void expect_mean_of_paths(const Scene& scene, int max_depth) {
   const std::uint32_t spp = std::max(4u, 32 / test::kEffortDivisor);
   const test::Mean paths =
-      mean_of_seeds(scene, {.integrator = Integrator::kNaive, .max_depth = max_depth}, 16 * spp);
+      test::mean_of_seeds(scene, {.integrator = Integrator::kNaive, .max_depth = max_depth}, 16 * spp);
   ASSERT_LT(paths.standard_error, 0.02 * test::kEffortDivisor * paths.value) << "too noisy to tell";
   for (const test::Strategy& strategy : test::kStrategies) {
     if (strategy.integrator == Integrator::kNaive) continue;
     const RenderSettings settings{
         .integrator = strategy.integrator, .heuristic = strategy.heuristic, .max_depth = max_depth};
     ASSERT_TRUE(prepare(scene, settings, 1).samples_through_panes());
-    const test::Mean mean = mean_of_seeds(scene, settings, spp);
+    const test::Mean mean = test::mean_of_seeds(scene, settings, spp);
     EXPECT_NEAR(mean.value, paths.value, 5 * std::hypot(mean.standard_error, paths.standard_error))
         << strategy.name << ", depth " << max_depth;
   }
@@ -102,7 +89,7 @@ TEST(Panes, LightThroughThemHasTheMeanOfPathsBesideBlendsOfGlass) {
 
 TEST(Panes, HaveNoNoiseOfASmallSun) {
   const Scene scene = under_a_sunny_pane(5000);
-  const test::Mean mean = mean_of_seeds(scene, {}, std::max(4u, 64 / test::kEffortDivisor));
+  const test::Mean mean = test::mean_of_seeds(scene, {}, std::max(4u, 64 / test::kEffortDivisor));
   EXPECT_LT(mean.standard_error, 0.005 * test::kEffortDivisor * mean.value);
 }
 
