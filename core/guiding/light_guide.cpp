@@ -176,11 +176,13 @@ class LightGuide::Builder {
   // before it have the coordinate of those behind it, as many as there may be in a plane.
   static std::size_t split_near_middle(std::span<const Photon> photons, int axis) {
     const std::size_t half = photons.size() / 2;
-    const auto [first, last] =
-        std::ranges::equal_range(photons, photons[half].position[axis], {},
-                                 [axis](const Photon& photon) { return photon.position[axis]; });
-    const auto before = static_cast<std::size_t>(first - photons.begin()),
-               behind = static_cast<std::size_t>(last - photons.begin());
+    const float middle = photons[half].position[axis];
+    const auto count_of = [&](const auto& is_before) {
+      return static_cast<std::size_t>(std::partition_point(photons.begin(), photons.end(), is_before) -
+                                      photons.begin());
+    };
+    const auto before = count_of([&](const Photon& photon) { return photon.position[axis] < middle; });
+    const auto behind = count_of([&](const Photon& photon) { return photon.position[axis] <= middle; });
     return before > 0 && (behind == photons.size() || half - before <= behind - half) ? before : behind;
   }
 
