@@ -9,6 +9,6 @@
 
 namespace tessera::core {
 
-inline constexpr std::string_view kDeterminismFingerprint = "fe0e4be32a8fe351";
+inline constexpr std::string_view kDeterminismFingerprint = "b1499453e6eb7404";
 
 }  // namespace tessera::core

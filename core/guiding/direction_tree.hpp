@@ -35,9 +35,9 @@ class DirectionTrees {
   };
   // Squares of directions with fewer examples than this are not divided. Few of them resolve the image of a
   // lamp in a glass ball; many leave no gaps in the view through a window.
-  enum class Detail : std::size_t { kFine = 4, kCoarse = 12 };
+  static constexpr std::size_t kFine = 4, kCoarse = 12;
   // The last bits of the result depend on the order of `lights`, which must not be empty.
-  Added add(std::span<const DirectedLight> lights, Detail detail = Detail::kFine);
+  Added add(std::span<const DirectedLight> lights, std::size_t least_to_divide = kFine);
 
   template <typename T>
   struct DirectionOf {

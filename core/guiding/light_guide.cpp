@@ -25,6 +25,8 @@ constexpr float kConcentration = 0.3f;
 constexpr float kLargestValue = 1e12f;
 // The radius of a parallax sphere, over the diagonal of its cell, is at most this.
 constexpr float kFarthest = 1000;
+// The most splits above a cell, so that the indices of nodes have room for all.
+constexpr int kMostSplits = 15;
 
 // 0 to 5: the axis along which `normal` is longest, and its sign.
 template <typename T>
@@ -64,13 +66,14 @@ Aabb widened(const Aabb& box) {
 // Of an opening through which light comes from infinity: how much its direction turns back along a way
 // between places. A linear regression; 0 if it does not.
 float inverse_distance_of_opening(std::span<const Photon> photons) {
+  const Vec3 start = photons.front().position;
   Vec3 position, wi;
   for (const Photon& photon : photons) {
-    position += photon.position;
+    position += photon.position - start;
     wi += photon.wi;
   }
   const float per_photon = 1 / static_cast<float>(photons.size());
-  position = position * per_photon;
+  position = start + position * per_photon;
   wi = wi * per_photon;
   if (!(length_squared(wi) > 0)) return 0;
   const Vec3 axis = normalize(wi);
@@ -125,7 +128,7 @@ class LightGuide::Builder {
     for (std::size_t f = 0; f < by_facing.size(); ++f) {
       roots[f] = static_cast<std::uint32_t>(splits_.size());
       splits_.emplace_back();
-      splits = std::max(splits, divide(roots[f], by_facing[f]));
+      splits = std::max(splits, divide(roots[f], by_facing[f], kMostSplits));
     }
     join(std::move(roots), splits);
     const auto count = static_cast<std::int64_t>(evidence_.size());
@@ -152,11 +155,11 @@ class LightGuide::Builder {
     std::array<Photon, kPlaces> places;
   };
 
-  // Returns the depth of the splits.
-  int divide(std::uint32_t split, std::span<Photon> photons) {
+  // Returns the depth of the splits, at most `most`.
+  int divide(std::uint32_t split, std::span<Photon> photons, int most) {
     const Aabb box = bounds_of(photons);
     const int axis = longest_axis(box);
-    if (photons.size() <= kMaxCellPhotons || !(box.extent(axis) > 0)) {
+    if (photons.size() <= kMaxCellPhotons || !(box.extent(axis) > 0) || most == 0) {
       splits_[split] = {0, kLeaf, add_cell(photons, box)};
       return 0;
     }
@@ -168,8 +171,8 @@ class LightGuide::Builder {
     const auto child = static_cast<std::uint32_t>(splits_.size());
     splits_[split] = {photons[below_split].position[axis], static_cast<std::uint32_t>(axis), child};
     splits_.resize(splits_.size() + 2);
-    const int below = divide(child, photons.first(below_split));
-    return 1 + std::max(below, divide(child + 1, photons.subspan(below_split)));
+    const int below = divide(child, photons.first(below_split), most - 1);
+    return 1 + std::max(below, divide(child + 1, photons.subspan(below_split), most - 1));
   }
 
   // Where to split photons that are sorted along the axis and not all at the same coordinate: so that none
@@ -229,7 +232,8 @@ class LightGuide::Builder {
       flux += photon.flux;
       flux_over_distance += photon.flux / photon.distance;
     }
-    const bool through_opening = !(flux_over_distance > 0);
+    if (!std::isfinite(flux)) return 0;
+    const bool through_opening = std::isinf(photons.front().distance);
     const float over_distance =
         through_opening ? inverse_distance_of_opening(photons) : flux_over_distance / flux;
     const float diagonal = length(box.upper - box.lower), reach = over_distance * kFarthest * diagonal > 1
@@ -243,8 +247,8 @@ class LightGuide::Builder {
       const float part = power / flux;
       lights.push_back({from_center(position - cell.center, cell.radius, wi), part, part * value});
     }
-    const auto [directions, root_mean_square] = guide_.trees_.add(
-        lights, through_opening ? DirectionTrees::Detail::kCoarse : DirectionTrees::Detail::kFine);
+    const auto [directions, root_mean_square] =
+        guide_.trees_.add(lights, through_opening ? DirectionTrees::kCoarse : DirectionTrees::kFine);
     cell.directions = directions;
     guide_.cells_.push_back(cell);
     Evidence& evidence = evidence_.emplace_back(Evidence{root_mean_square * irradiance, {}});
@@ -254,7 +258,8 @@ class LightGuide::Builder {
 
   void choose_share(std::uint32_t cell, const ShareOf& share_of) {
     const auto& [guided, places] = evidence_[cell];
-    guide_.cells_[cell + 1].share = share_of({cell, guided, places});
+    const float share = share_of({cell, guided, places});
+    guide_.cells_[cell + 1].share = share > 0 ? share : 0;
   }
 
   LightGuide guide_;
@@ -279,6 +284,10 @@ ShareOf share_beside(OtherLight other) {
     const float g = light.guided, r = std::sqrt(squares / static_cast<float>(light.places.size()));
     return std::clamp(g / (g + r), kMinShare, kMaxShare);
   };
+}
+
+bool LightGuide::guides_nothing() const {
+  return std::none_of(cells_.begin(), cells_.end(), [](const Cell& cell) { return cell.share > 0; });
 }
 
 std::uint32_t LightGuide::cell_at(std::uint32_t facing, Vec3 position) const {
@@ -328,7 +337,7 @@ DirectionTrees::DirectionOf<T> LightGuide::sample_or(const GuidanceOf<T>& from, 
   const T distance = length(toward);
   const Vec3Of<T> wi = select(sampled, toward * (1 / distance), other);
   const T slope = distance + dot(from.in_sphere, wi);
-  return {wi, pdf * (distance * distance) / (from.radius * slope)};
+  return {wi, pdf * (distance / from.radius) * (distance / slope)};
 }
 
 template LightGuide::GuidanceOf<float> LightGuide::at(Vec3, Vec3) const;

@@ -19,10 +19,12 @@ namespace tessera::core::guiding {
 // Light that arrived at a surface.
 struct Photon {
   Vec3 position;
-  Vec3 side_normal;  // geometric normal, on the side on which the light arrived
+  Vec3 side_normal;  // on the side on which the light arrived; that by which the guide is asked there
   Vec3 wi;           // unit, towards the light's origin
-  float distance;    // to the surface that the light came from; positive; infinite: openings let it in
-  float flux;        // luminous, positive
+  // To the surface that the light came from; positive. Infinite for all photons of a guide: openings let in
+  // light from infinity.
+  float distance;
+  float flux;  // luminous, positive
   // The luminance found by a path in the photon's direction that reaches the light by specular scattering
   // only; 0 if the photon was scattered diffusely in between.
   float radiance;
@@ -51,6 +53,8 @@ class LightGuide {
   LightGuide() = default;  // an empty guide
   // The result does not depend on `threads`.
   static LightGuide build(std::span<const Photon> photons, const ShareOf& share_of, int threads);
+  // Whether no sample is guided anywhere.
+  bool guides_nothing() const;
 
   // A neighbourhood of surface positions with similar normals. Read in rows of four numbers.
   struct alignas(64) Cell {

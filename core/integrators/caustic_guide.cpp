@@ -10,7 +10,7 @@
 #include "core/base/parallel_errors.hpp"
 #include "core/integrators/caustic_casters.hpp"
 #include "core/integrators/direct_light.hpp"
-#include "core/integrators/guide_numbers.hpp"
+#include "core/integrators/guide_building.hpp"
 #include "core/integrators/opacity.hpp"
 #include "core/integrators/panes.hpp"
 #include "core/integrators/path_wavelength.hpp"
@@ -181,8 +181,7 @@ float probe_other_light(const Scene& scene, const lights::LightSampler& lights, 
                         std::uint32_t n) {
   const sampling::Sampler sampler(kGuideSeed, 0, kOtherLightRow, n);
   const auto u = sampler.pad(sampling::scatter_pad(0));
-  const Vec3 a = abs(place.position);
-  Ray ray{place.position + place.side_normal * (1e-5f * std::max({a.x, a.y, a.z})),
+  Ray ray{origin_above(place.position, place.side_normal),
           Frame::around(place.side_normal).to_world(sampling::sample_cosine_hemisphere({u[0], u[1]})),
           std::numeric_limits<float>::infinity(), kGuideTime};
   Rgb throughput = Rgb::gray(kPi), found;

@@ -5,12 +5,11 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "core/base/parallel_errors.hpp"
 #include "core/integrators/direct_light.hpp"
-#include "core/integrators/guide_numbers.hpp"
+#include "core/integrators/guide_building.hpp"
 #include "core/integrators/opacity.hpp"
 #include "core/integrators/panes.hpp"
 #include "core/integrators/vertex.hpp"
@@ -24,22 +23,22 @@ constexpr std::uint32_t kPathsOfPart = 1u << 10, kFirstParts = 2, kParts = 24;
 constexpr int kVertices = 4;         // of a path
 constexpr std::uint32_t kLooks = 8;  // light samples of a vertex
 // There is no guide if more of the environment's light arrives: light samples find it well.
-constexpr float kOpen = 0.3f;
+constexpr double kOpen = 0.3;
 // Nor is a cell guided from which more is seen.
-constexpr float kOpenCell = 0.5f;
-// At most every other light sample is guided: what else a cell's light comes from may not have been met while
-// it was learnt, as a patch of sun.
+constexpr double kOpenCell = 0.5;
+// A cell that is lit by much else is guided a little, since the estimate of its share is rough. At most every
+// other light sample is guided: what else a cell's light comes from may not have been met while it was
+// learnt, as a patch of sun.
 constexpr float kLeastShare = 0.02f, kMostShare = 0.5f;
 // Light that is sampled with a higher density comes from less than the finest square of directions that a
 // guide distinguishes. It is left to the environment's own distribution.
 constexpr float kConcentratedPdf = 800;
 
-constexpr int kMaxPaneSurfaces = 64;
-
 class Observer {
  public:
-  Observer(const Scene& scene, const lights::LightSampler& lights, bool through_panes)
-      : scene_(scene), lights_(lights), through_panes_(through_panes) {}
+  Observer(const Scene& scene, const lights::LightSampler& lights, lights::MisCompensation compensation,
+           bool through_panes)
+      : scene_(scene), lights_(lights), compensation_(compensation), through_panes_(through_panes) {}
 
   // What a part of the paths has seen.
   struct Seen {
@@ -49,13 +48,12 @@ class Observer {
   Seen trace(std::uint32_t part) const {
     Looks looks;
     for (std::uint32_t i = 0; i < kPathsOfPart; ++i) trace_path(part * kPathsOfPart + i, looks);
-    std::vector<accel::Occlusion> occluded(looks.rays.size());
-    scene_.occlusions(looks.rays.all(), occluded);
+    const std::vector<float> shares = arriving(looks);
     Seen seen;
-    for (std::size_t i = 0; i < occluded.size(); ++i) {
+    for (std::size_t i = 0; i < shares.size(); ++i) {
       guiding::Photon& photon = looks.photons[i];
       seen.open += static_cast<double>(photon.flux);
-      photon.flux *= arriving(looks.rays[i], occluded[i], looks.enclosures[i]);
+      photon.flux *= shares[i];
       if (!(photon.flux > 0) || !std::isfinite(photon.flux)) continue;
       seen.arriving += static_cast<double>(photon.flux);
       seen.photons.push_back(photon);
@@ -66,25 +64,26 @@ class Observer {
   // The share of a cell with the least noise where a light sample finds either what the guide has learnt or
   // other light.
   float share(const guiding::CellLight& cell) const {
-    float open = 0, seen = 0, others = 0;
+    double open = 0, seen = 0, others = 0;
     std::uint32_t n = cell.cell * static_cast<std::uint32_t>(cell.places.size()) * kLooks;
     for (const guiding::Photon& place : cell.places) {
       for (std::uint32_t k = 0; k < kLooks; ++k, ++n) {
         const sampling::Sampler sampler(kGuideSeed, 0, kCellRow, n);
         const auto u = sampler.pad(0);
         if (const auto light = look(place.side_normal, {u[0], u[1]})) {
-          const float value = irradiance(*light, place.side_normal);
+          const double value = irradiance(*light, place.side_normal);
           open += value;
-          seen += value * arriving(ray_from(place, *light));
+          seen += value * static_cast<double>(arriving(ray_from(place, *light)));
         }
-        const float other = other_light(place, sampler.pad(1));
+        const double other = other_light(place, sampler.pad(1));
         others += other * other;
       }
     }
     if (seen > kOpenCell * open) return 0;
-    const auto probes = static_cast<float>(cell.places.size() * kLooks);
-    const float guided = seen / probes, other = std::sqrt(others / probes);
-    return other > 0 ? std::clamp(guided / (guided + other), kLeastShare, kMostShare) : kMostShare;
+    const auto probes = static_cast<double>(cell.places.size() * kLooks);
+    const double guided = seen / probes, other = std::sqrt(others / probes);
+    return other > 0 ? std::clamp(static_cast<float>(guided / (guided + other)), kLeastShare, kMostShare)
+                     : kMostShare;
   }
 
  private:
@@ -151,12 +150,11 @@ class Observer {
 
   // The irradiance that a sample of the light sampler finds, but for what look() finds.
   float other_light(const guiding::Photon& place, const std::array<float, 4>& u) const {
-    constexpr auto kCompensation = lights::MisCompensation::kOn;
     const lights::LightSampleContext point{place.position, place.side_normal};
-    const auto [chosen, pmf] = lights_.sample(point, combine_uniforms(u[2], u[3]), kCompensation);
+    const auto [chosen, pmf] = lights_.sample(point, combine_uniforms(u[2], u[3]), compensation_);
     if (chosen == lights::kNoLight) return 0;
     const auto light = sample_light(scene_.lights()[chosen], scene_.textures(), point, {u[0], u[1]},
-                                    kCompensation, kGuideTime);
+                                    compensation_, kGuideTime);
     if (!light) return 0;
     if (chosen == scene_.environment_light() &&
         scene_.environment().pdf(point.normal, light->wi) <= kConcentratedPdf)
@@ -167,35 +165,58 @@ class Observer {
 
   // A shadow ray from the surface towards the light.
   Ray ray_from(const guiding::Photon& place, const lights::LightSample& light) const {
-    const Vec3 a = abs(place.position);
-    const Vec3 origin = place.position + place.side_normal * (1e-5f * std::max({a.x, a.y, a.z}));
+    const Vec3 origin = origin_above(place.position, place.side_normal);
     if (!light.point) return {origin, light.wi, std::numeric_limits<float>::infinity(), kGuideTime};
     return {origin, offset_origin(*light.point, origin - light.point->position) - origin, 1, kGuideTime};
   }
 
-  float arriving(const Ray& ray) const { return arriving(ray, scene_.occlusion(ray), Enclosure{}); }
   // The share of the light that arrives along a shadow ray.
-  float arriving(const Ray& ray, accel::Occlusion occluded, const Enclosure& enclosure) const {
-    if (occluded == accel::Occlusion::kNone) return 1;
-    RenderCounters uncounted;
-    if (occluded == accel::Occlusion::kPartial)
-      return luminance(transmittance(scene_, ray, enclosure, uncounted.shadow_rays));
+  float arriving(const Ray& ray) const {
+    std::uint64_t uncounted = 0;
+    const Rgb share = transmittance(scene_, ray, {}, uncounted);
+    return is_black(share) ? through_panes(ray) : luminance(share);
+  }
+  // The same for all looks.
+  std::vector<float> arriving(const Looks& looks) const {
+    std::vector<accel::Occlusion> occluded(looks.rays.size());
+    scene_.occlusions(looks.rays.all(), occluded);
+    std::vector<float> shares(occluded.size());
+    Columns<Ray> rays;
+    std::vector<Enclosure> enclosures;
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      if (occluded[i] == accel::Occlusion::kNone) shares[i] = 1;
+      if (occluded[i] == accel::Occlusion::kFull) shares[i] = through_panes(looks.rays[i]);
+      if (occluded[i] != accel::Occlusion::kPartial) continue;
+      rays.push(looks.rays[i]);
+      enclosures.push_back(looks.enclosures[i]);
+    }
+    std::vector<Rgb> partial(rays.size());
+    find_transmittances(scene_, rays.all(), enclosures, partial);
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < shares.size(); ++i)
+      if (occluded[i] == accel::Occlusion::kPartial) shares[i] = luminance(partial[next++]);
+    return shares;
+  }
+  float through_panes(const Ray& ray) const {
     if (!through_panes_ || std::isfinite(ray.t_max)) return 0;
-    return luminance(
-        straight_transmittance(scene_, ray, scene_.closest_hit(ray), kMaxPaneSurfaces, uncounted));
+    RenderCounters uncounted;
+    return luminance(straight_transmittance(scene_, ray, scene_.closest_hit(ray),
+                                            static_cast<int>(PanePassage::kMaxSurfaces), uncounted));
   }
 
   const Scene& scene_;
   const lights::LightSampler& lights_;
+  lights::MisCompensation compensation_;
   bool through_panes_;
 };
 
 }  // namespace
 
 EnvironmentGuide build_environment_guide(const Scene& scene, const lights::LightSampler& lights,
-                                         bool through_panes, int threads) {
+                                         lights::MisCompensation compensation, bool through_panes,
+                                         int threads) {
   if (scene.environment_light() == lights::kNoLight) return {};
-  const Observer observer(scene, lights, through_panes);
+  const Observer observer(scene, lights, compensation, through_panes);
   std::vector<guiding::Photon> photons;
   double open = 0, arriving = 0;
   const auto trace = [&](std::uint32_t first, std::uint32_t end) {
@@ -212,7 +233,7 @@ EnvironmentGuide build_environment_guide(const Scene& scene, const lights::Light
     }
   };
   trace(0, kFirstParts);
-  if (!(arriving > 0) || arriving > static_cast<double>(kOpen) * open) return {};
+  if (!(arriving > 0) || arriving > kOpen * open) return {};
   trace(kFirstParts, kParts);
   const auto share = [&](const guiding::CellLight& cell) { return observer.share(cell); };
   return EnvironmentGuide(guiding::LightGuide::build(photons, share, threads));

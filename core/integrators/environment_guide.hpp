@@ -3,6 +3,8 @@
 // it would meet walls. Immutable, shared by all threads.
 #pragma once
 
+#include <utility>
+
 #include "core/guiding/light_guide.hpp"
 #include "core/lights/light_sample_context.hpp"
 #include "core/lights/light_sampler.hpp"
@@ -17,7 +19,7 @@ class EnvironmentGuide {
   EnvironmentGuide() = default;  // an empty guide
   explicit EnvironmentGuide(guiding::LightGuide guide) : guide_(std::move(guide)) {}
 
-  bool empty() const { return guide_.cells().empty(); }
+  bool empty() const { return guide_.guides_nothing(); }
 
   // The guide's data at a point; its share is 0 where too little is known, where samples of the light sampler
   // find the environment well, and where light counts from all sides.
@@ -41,10 +43,11 @@ class EnvironmentGuide {
 };
 
 // Light samples from vertices of camera paths find out what is open. Empty unless the environment lights the
-// scene, and most of that light does not arrive. `lights` samples all lights; `through_panes`: RenderPlan::
-// samples_through_panes(). For scenes without media. Takes about a tenth of a second with one thread, where
-// it is not empty; the result does not depend on `threads`.
+// scene, and most of that light does not arrive. `lights` samples all lights, with `compensation`;
+// `through_panes`: RenderPlan::samples_through_panes(). For scenes without media. Takes some tenths of a
+// second with one thread, where it is not empty; the result does not depend on `threads`.
 EnvironmentGuide build_environment_guide(const Scene& scene, const lights::LightSampler& lights,
-                                         bool through_panes, int threads);
+                                         lights::MisCompensation compensation, bool through_panes,
+                                         int threads);
 
 }  // namespace tessera::core::integrators

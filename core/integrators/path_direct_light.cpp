@@ -40,20 +40,21 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
 PathTracer::LightConnections PathTracer::sample_lights(const Paths& paths,
                                                        const lights::LightSampleContexts& from, unsigned lit,
                                                        int depth) const {
-  constexpr float kBelowOne = 1 - 0x1p-24f;
-  auto u = numbers(paths, depth, sampling::light_pad);
+  const auto u = numbers(paths, depth, sampling::light_pad);
   EnvironmentGuide::GuidanceOf<FloatN> guidance;
-  MaskN guided = false;
-  if (environment_guide_ != nullptr) {
-    guidance = environment_guide_->at(from);
-    guided = MaskN::from_bits(lit) & (u[2] < guidance.share);
-    u[2] = select(guided, u[2], smaller((u[2] - guidance.share) / (1 - guidance.share), FloatN(kBelowOne)));
-  }
-  const FloatLanes coarse(u[2]), fine(u[3]);
+  if (environment_guide_ != nullptr) guidance = environment_guide_->at(from);
+  const FloatLanes coarse(u[2]), fine(u[3]), shares(guidance.share);
   std::array<double, kLaneCount> u_light;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+  unsigned guided = 0;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     u_light[lane] = combine_uniforms(coarse[lane], fine[lane]);
-  const unsigned chooses = lit & ~guided.bits();
+    const auto share = static_cast<double>(shares[lane]);
+    if (u_light[lane] < share)
+      guided |= lit & 1u << lane;
+    else if (share > 0)
+      u_light[lane] = (u_light[lane] - share) / (1 - share);
+  }
+  const unsigned chooses = lit & ~guided;
   const auto choices = light_sampler_.sample(from, u_light, chooses, compensation_);
   std::array<const lights::Light*, kLaneCount> chosen{};
   WordLanes of_lights;
@@ -70,7 +71,8 @@ PathTracer::LightConnections PathTracer::sample_lights(const Paths& paths,
       of_lights,
       {}};
   connections.pdf = pmf.all() * connections.lights.pdf;
-  if (any(guidance.share > 0)) guide_to_environment(from, guidance, guided, {u[0], u[1]}, connections);
+  if (any(guidance.share > 0))
+    guide_to_environment(from, guidance, MaskN::from_bits(guided), {u[0], u[1]}, connections);
   return connections;
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/integrators/panes.hpp"
+#include "core/integrators/path_weights.hpp"
 #include "core/integrators/volume_path.hpp"
 #include "core/integrators/whitted.hpp"
 
@@ -44,7 +45,8 @@ RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threa
     prepared->samples_through_panes = remove_straight(scene, photons);
     prepared->guide = build_caustic_guide(scene, prepared->light_sampler, photons, threads);
     prepared->environment_guide =
-        build_environment_guide(scene, prepared->light_sampler, prepared->samples_through_panes, threads);
+        build_environment_guide(scene, prepared->light_sampler, mis_compensation(settings.integrator),
+                                prepared->samples_through_panes, threads);
   }
   if (uses_lens_lights(scene, settings.integrator)) prepared->lens_lights = LensLights(scene, threads);
   prepared->material_bins = material_bins(scene);

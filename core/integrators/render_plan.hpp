@@ -81,10 +81,10 @@ class RenderPlan {
   std::shared_ptr<const Prepared> prepared_;
 };
 
-// Takes some tenths of a second where there are caustics. The result does not depend on `threads`. It refers
-// to the scene, and is of use until that shows another frame (RenderPlan::is_current). Other numbers of
-// photon paths, multiples of kPhotonPathsAtOnce, make other images of the same expectation: fewer take less
-// time, and make more noise.
+// Takes some tenths of a second where there are caustics, and where openings let in the environment's light.
+// The result does not depend on `threads`. It refers to the scene, and is of use until that shows another
+// frame (RenderPlan::is_current). Other numbers of photon paths, multiples of kPhotonPathsAtOnce, make other
+// images of the same expectation: fewer take less time, and make more noise.
 RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threads,
                    std::uint32_t photon_paths = kPhotonPaths);
 

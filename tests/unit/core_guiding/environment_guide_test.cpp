@@ -4,11 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/integrators/render.hpp"
@@ -71,17 +73,14 @@ void add_pane(test::SceneMaker& maker) {
   maker.add(QuadDescription{{-2.12f, 0.9f, 0.6f}, {0, 1.2f, 0}, {0, 0, -1.2f}, glass});
 }
 
-const EnvironmentGuide* guide_of(const RenderPlan& plan) {
-  return plan.environment_guide();
-}
 bool has_guide(const Scene& scene, Integrator integrator = Integrator::kMis) {
-  return guide_of(prepare(scene, {.integrator = integrator}, 1)) != nullptr;
+  return prepare(scene, {.integrator = integrator}, 1).environment_guide() != nullptr;
 }
 
 TEST(EnvironmentGuide, KnowsTheDirectionsOfAnOpening) {
   const Scene scene = room_with_opening().build();
   const RenderPlan plan = prepare(scene, {}, 1);
-  const EnvironmentGuide* const guide = guide_of(plan);
+  const EnvironmentGuide* const guide = plan.environment_guide();
   ASSERT_NE(guide, nullptr);
   for (const Vec3 place : {Vec3{0.5f, 0, 0.5f}, Vec3{-1, 0, 1}, Vec3{1, 0, 1.5f}}) {
     const auto guidance = guide->at<float>({place, kUp});
@@ -102,7 +101,7 @@ TEST(EnvironmentGuide, KnowsTheDirectionsOfAnOpening) {
 TEST(EnvironmentGuide, IsNoneForSurfacesThatAreLitFromAllSides) {
   const Scene scene = room_with_opening().build();
   const RenderPlan plan = prepare(scene, {}, 1);
-  EXPECT_EQ(guide_of(plan)->at<float>({{0.5f, 0, 0.5f}, {}}).share, 0);
+  EXPECT_EQ(plan.environment_guide()->at<float>({{0.5f, 0, 0.5f}, {}}).share, 0);
 }
 
 TEST(EnvironmentGuide, IsOfUseOnlyThroughOpeningsAndForLightSamples) {
@@ -150,10 +149,52 @@ TEST(EnvironmentGuide, LeavesTheMeanThatOfPaths) {
   expect_mean_of_paths(room_with_opening().build(), 1);
 }
 
-TEST(EnvironmentGuide, LeavesTheMeanThatOfPathsBesideALamp) {
+TEST(EnvironmentGuide, LeavesTheMeanThatOfPathsBesideOtherLight) {
   test::SceneMaker maker = room_with_opening();
   add_lamp(maker);
+  maker.description().lights = {DirectionalLightDescription{{1, -0.6f, 0.2f}, Rgb::gray(2)}};
   expect_mean_of_paths(maker.build());
+}
+
+TEST(EnvironmentGuide, LeavesTheMeanThatOfPathsThroughACurtain) {
+  test::SceneMaker maker = room_with_opening();
+  const auto curtain = maker.material(test::lambert(0.5f));
+  maker.description().materials[curtain].opacity.value = 0.4f;
+  maker.add(QuadDescription{{-1.9f, 0.9f, 0.6f}, {0, 0, -1.2f}, {0, 1.2f, 0}, curtain});
+  maker.description().environment->visible_to_camera = false;
+  expect_mean_of_paths(maker.build());
+}
+
+TEST(EnvironmentGuide, IsFiniteInLargeScenes) {
+  test::SceneMaker maker = room_with_opening();
+  constexpr float kScale = 1e14f;
+  CameraDescription& camera = maker.description().camera;
+  camera.position = camera.position * kScale;
+  camera.look_at = camera.look_at * kScale;
+  for (ShapeDescription& shape : maker.description().shapes) {
+    if (auto* quad = std::get_if<QuadDescription>(&shape))
+      *quad = {quad->corner * kScale, quad->edge_u * kScale, quad->edge_v * kScale, quad->material};
+    else if (auto* sphere = std::get_if<SphereDescription>(&shape))
+      *sphere = {sphere->center * kScale, sphere->radius * kScale, sphere->material};
+  }
+  const RenderSettings settings{.width_px = 16, .height_px = 16, .spp = 8};
+  const Scene scene = maker.build();
+  ASSERT_TRUE(has_guide(scene));
+  EXPECT_EQ(render(prepare(scene, settings, 1), {0, 0, 16, 16}, {0, 8}, 1).counters.non_finite_samples, 0u);
+}
+
+// What is too bright to be added is not learnt; shares are numbers.
+TEST(EnvironmentGuide, HasSharesUnderABlindingSky) {
+  for (const float radiance : {1e30f, 1e37f}) {
+    test::SceneMaker maker = room_with_opening();
+    add_lamp(maker);
+    maker.description().environment = EnvironmentDescription{{Rgb::gray(radiance)}};
+    const Scene scene = maker.build();
+    const RenderPlan plan = prepare(scene, {}, 1);
+    if (plan.environment_guide() == nullptr) continue;
+    for (const Vec3 place : {Vec3{0.5f, 0, 0.5f}, Vec3{-1, 0, 1}, Vec3{1, 0, 1.5f}})
+      EXPECT_GE(plan.environment_guide()->at<float>({place, kUp}).share, 0);
+  }
 }
 
 // Paths alone do not find the sun. In a scene with a medium, here outside the room, there is no guide.
@@ -184,7 +225,7 @@ TEST(EnvironmentGuide, DoesNotDependOnThreadsOrOnHowARenderIsCut) {
   const Scene scene = maker.build();
   const RenderSettings settings{.width_px = 24, .height_px = 16, .spp = 8};
   const RenderPlan plan = prepare(scene, settings, 3);
-  ASSERT_NE(guide_of(plan), nullptr);
+  ASSERT_NE(plan.environment_guide(), nullptr);
   const FilmTile whole = render(plan, {0, 0, 24, 16}, {0, 8}, 1);
   EXPECT_EQ(render(prepare(scene, settings, 1), {0, 0, 24, 16}, {0, 8}, 3).sums, whole.sums);
   const FilmTile piece = render(plan, {5, 3, 6, 4}, {0, 8}, 1);
