@@ -18,8 +18,8 @@
 namespace tessera::core::integrators {
 namespace {
 
-// Paths are traced in parts of this size. The first ones decide whether there is something to learn.
-constexpr std::uint32_t kPathsOfPart = 1u << 10, kFirstParts = 2, kParts = 24;
+// Paths are traced in this many parts. The first one decides whether there is something to learn.
+constexpr std::uint32_t kParts = 48;
 constexpr int kVertices = 4;         // of a path
 constexpr std::uint32_t kLooks = 8;  // light samples of a vertex
 // There is no guide if more of the environment's light arrives: light samples find it well.
@@ -45,9 +45,9 @@ class Observer {
     double open = 0, arriving = 0;  // the environment's light, without and with what is in the way
     std::vector<guiding::Photon> photons{};
   };
-  Seen trace(std::uint32_t part) const {
+  Seen trace(std::uint32_t first_path, std::uint32_t paths) const {
     Looks looks;
-    for (std::uint32_t i = 0; i < kPathsOfPart; ++i) trace_path(part * kPathsOfPart + i, looks);
+    for (std::uint32_t i = 0; i < paths; ++i) trace_path(first_path + i, looks);
     const std::vector<float> shares = arriving(looks);
     Seen seen;
     for (std::size_t i = 0; i < shares.size(); ++i) {
@@ -214,17 +214,18 @@ class Observer {
 
 EnvironmentGuide build_environment_guide(const Scene& scene, const lights::LightSampler& lights,
                                          lights::MisCompensation compensation, bool through_panes,
-                                         int threads) {
+                                         int threads, std::uint32_t camera_paths) {
   if (scene.environment_light() == lights::kNoLight) return {};
   const Observer observer(scene, lights, compensation, through_panes);
   std::vector<guiding::Photon> photons;
   double open = 0, arriving = 0;
+  const std::uint32_t paths = camera_paths / kParts;
   const auto trace = [&](std::uint32_t first, std::uint32_t end) {
     std::vector<Observer::Seen> parts(end - first);
     ParallelErrors errors;
 #pragma omp parallel for num_threads(threads) schedule(dynamic)
     for (std::uint32_t part = first; part < end; ++part)
-      errors.run([&] { parts[part - first] = observer.trace(part); });
+      errors.run([&] { parts[part - first] = observer.trace(part * paths, paths); });
     errors.rethrow();
     for (const Observer::Seen& part : parts) {
       open += part.open;
@@ -232,9 +233,9 @@ EnvironmentGuide build_environment_guide(const Scene& scene, const lights::Light
       photons.insert(photons.end(), part.photons.begin(), part.photons.end());
     }
   };
-  trace(0, kFirstParts);
+  trace(0, 1);
   if (!(arriving > 0) || arriving > kOpen * open) return {};
-  trace(kFirstParts, kParts);
+  trace(1, kParts);
   const auto share = [&](const guiding::CellLight& cell) { return observer.share(cell); };
   return EnvironmentGuide(guiding::LightGuide::build(photons, share, threads));
 }

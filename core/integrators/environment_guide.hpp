@@ -3,6 +3,7 @@
 // it would meet walls. Immutable, shared by all threads.
 #pragma once
 
+#include <cstdint>
 #include <utility>
 
 #include "core/guiding/light_guide.hpp"
@@ -42,12 +43,15 @@ class EnvironmentGuide {
   guiding::LightGuide guide_;
 };
 
+// The number of camera paths of every render's learning.
+inline constexpr std::uint32_t kCameraPaths = 3u << 13;
+
 // Light samples from vertices of camera paths find out what is open. Empty unless the environment lights the
 // scene, and most of that light does not arrive. `lights` samples all lights, with `compensation`;
 // `through_panes`: RenderPlan::samples_through_panes(). For scenes without media. Takes some tenths of a
 // second with one thread, where it is not empty; the result does not depend on `threads`.
 EnvironmentGuide build_environment_guide(const Scene& scene, const lights::LightSampler& lights,
                                          lights::MisCompensation compensation, bool through_panes,
-                                         int threads);
+                                         int threads, std::uint32_t camera_paths = kCameraPaths);
 
 }  // namespace tessera::core::integrators

@@ -24,6 +24,12 @@ bool uses_guide(const Scene& scene, Integrator integrator) {
   return (integrator == Integrator::kNee || integrator == Integrator::kMis) && !scene.has_media();
 }
 
+// The environment guide's number of paths: as many of the usual ones as there are of photons.
+constexpr std::uint32_t camera_paths_beside(std::uint32_t photon_paths) {
+  return photon_paths / 16 * 3;
+}
+static_assert(camera_paths_beside(kPhotonPaths) == kCameraPaths);
+
 // Batches of paths weigh what camera rays hit against it.
 bool uses_lens_lights(const Scene& scene, Integrator integrator) {
   return integrator == Integrator::kMis && !scene.has_media();
@@ -46,7 +52,7 @@ RenderPlan prepare(const Scene& scene, const RenderSettings& settings, int threa
     prepared->guide = build_caustic_guide(scene, prepared->light_sampler, photons, threads);
     prepared->environment_guide =
         build_environment_guide(scene, prepared->light_sampler, mis_compensation(settings.integrator),
-                                prepared->samples_through_panes, threads);
+                                prepared->samples_through_panes, threads, camera_paths_beside(photon_paths));
   }
   if (uses_lens_lights(scene, settings.integrator)) prepared->lens_lights = LensLights(scene, threads);
   prepared->material_bins = material_bins(scene);
