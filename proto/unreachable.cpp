@@ -60,8 +60,11 @@ bool is_closed_at_once(const grpc::Status& status) {
   return says(status, {"ocket closed", "reset by peer"});
 }
 
+// gRPC shuts down an attempt to connect that has taken too long.
 bool may_be_starting(const grpc::Status& status) {
-  return is_no_connection(status) && (says(status, {"onnection refused"}) || is_closed_at_once(status));
+  return is_no_connection(status) &&
+         (says(status, {"onnection refused", "FD Shutdown", "handshaker shutdown"}) ||
+          is_closed_at_once(status));
 }
 
 bool is_no_connection(const grpc::Status& status) {

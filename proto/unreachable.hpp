@@ -18,8 +18,8 @@ bool is_no_connection(const grpc::Status& status);
 // Whether the peer closed the connection before it accepted a call.
 bool is_closed_at_once(const grpc::Status& status);
 
-// Whether the failure is typical of a coordinator that is starting or stopping: the connection is refused, or
-// closed at once.
+// Whether the failure is typical of a coordinator that is starting or stopping, or of a network that loses
+// packets: the connection is refused, closed at once, or not answered in time.
 bool may_be_starting(const grpc::Status& status);
 
 // The reason, as far as it is known, and what to do: UNAVAILABLE. `address` and `security` are those of the

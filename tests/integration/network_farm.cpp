@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <stdexcept>
 
 namespace tessera::test {
 
@@ -39,7 +40,8 @@ void NetworkFarmTest::add_host(const std::string& name, int host) {
 
 // The job that was submitted last.
 std::string NetworkFarmTest::newest_job() {
-  EXPECT_TRUE(poll_until(std::chrono::seconds(30), [&] { return !jobs().empty(); }));
+  if (!poll_until(std::chrono::seconds(30), [&] { return !jobs().empty(); }))
+    throw std::runtime_error("no job was submitted");
   return jobs().front().id();
 }
 
