@@ -112,8 +112,7 @@ DirectionTrees::DirectionTrees() {
   store(std::array{Leaf{0, 1}}, 1);
 }
 
-DirectionTrees::Added DirectionTrees::add(std::span<const DirectedLight> lights,
-                                          std::size_t least_to_divide) {
+DirectionTrees::Added DirectionTrees::add(std::span<const DirectedLight> lights, std::size_t min_to_divide) {
   std::vector<Divider::Example> examples;
   examples.reserve(lights.size());
   float power = 0;
@@ -125,7 +124,7 @@ DirectionTrees::Added DirectionTrees::add(std::span<const DirectedLight> lights,
   }
   const float prior_power = kPriorExamples * power / static_cast<float>(lights.size());
   // Doubles the minimum number of examples while there are too many leaves for a tree.
-  for (std::size_t least = least_to_divide;; least *= 2) {
+  for (std::size_t least = min_to_divide;; least *= 2) {
     Divider divider(prior_power, least);
     divider.divide(examples, {{0, 0}, 1, 0});
     if (divider.leaves().size() > kMaxLeaves) continue;

@@ -37,7 +37,7 @@ class DirectionTrees {
   // lamp in a glass ball; many leave no gaps in the view through a window.
   static constexpr std::size_t kFine = 4, kCoarse = 12;
   // The last bits of the result depend on the order of `lights`, which must not be empty.
-  Added add(std::span<const DirectedLight> lights, std::size_t least_to_divide = kFine);
+  Added add(std::span<const DirectedLight> lights, std::size_t min_to_divide = kFine);
 
   template <typename T>
   struct DirectionOf {

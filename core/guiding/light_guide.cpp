@@ -25,8 +25,8 @@ constexpr float kConcentration = 0.3f;
 constexpr float kLargestValue = 1e12f;
 // The radius of a parallax sphere, over the diagonal of its cell, is at most this.
 constexpr float kFarthest = 1000;
-// The most splits above a cell, so that the indices of nodes have room for all.
-constexpr int kMostSplits = 15;
+// The maximum number of splits above a cell, so that the indices of nodes have room for all.
+constexpr int kMaxSplits = 15;
 
 // 0 to 5: the axis along which `normal` is longest, and its sign.
 template <typename T>
@@ -128,7 +128,7 @@ class LightGuide::Builder {
     for (std::size_t f = 0; f < by_facing.size(); ++f) {
       roots[f] = static_cast<std::uint32_t>(splits_.size());
       splits_.emplace_back();
-      splits = std::max(splits, divide(roots[f], by_facing[f], kMostSplits));
+      splits = std::max(splits, divide(roots[f], by_facing[f], kMaxSplits));
     }
     join(std::move(roots), splits);
     const auto count = static_cast<std::int64_t>(evidence_.size());
@@ -155,11 +155,11 @@ class LightGuide::Builder {
     std::array<Photon, kPlaces> places;
   };
 
-  // Returns the depth of the splits, at most `most`.
-  int divide(std::uint32_t split, std::span<Photon> photons, int most) {
+  // Returns the depth of the splits, at most `max_splits`.
+  int divide(std::uint32_t split, std::span<Photon> photons, int max_splits) {
     const Aabb box = bounds_of(photons);
     const int axis = longest_axis(box);
-    if (photons.size() <= kMaxCellPhotons || !(box.extent(axis) > 0) || most == 0) {
+    if (photons.size() <= kMaxCellPhotons || !(box.extent(axis) > 0) || max_splits == 0) {
       splits_[split] = {0, kLeaf, add_cell(photons, box)};
       return 0;
     }
@@ -171,8 +171,8 @@ class LightGuide::Builder {
     const auto child = static_cast<std::uint32_t>(splits_.size());
     splits_[split] = {photons[below_split].position[axis], static_cast<std::uint32_t>(axis), child};
     splits_.resize(splits_.size() + 2);
-    const int below = divide(child, photons.first(below_split), most - 1);
-    return 1 + std::max(below, divide(child + 1, photons.subspan(below_split), most - 1));
+    const int below = divide(child, photons.first(below_split), max_splits - 1);
+    return 1 + std::max(below, divide(child + 1, photons.subspan(below_split), max_splits - 1));
   }
 
   // Where to split photons that are sorted along the axis and not all at the same coordinate: so that none

@@ -29,7 +29,7 @@ constexpr double kOpenCell = 0.5;
 // A cell that is lit by much else is guided a little, since the estimate of its share is rough. At most every
 // other light sample is guided: what else a cell's light comes from may not have been met while it was
 // learnt, as a patch of sun.
-constexpr float kLeastShare = 0.02f, kMostShare = 0.5f;
+constexpr float kMinGuidedShare = 0.02f, kMaxGuidedShare = 0.5f;
 // Light that is sampled with a higher density comes from less than the finest square of directions that a
 // guide distinguishes. It is left to the environment's own distribution.
 constexpr float kConcentratedPdf = 800;
@@ -82,8 +82,9 @@ class Observer {
     if (seen > kOpenCell * open) return 0;
     const auto probes = static_cast<double>(cell.places.size() * kLooks);
     const double guided = seen / probes, other = std::sqrt(others / probes);
-    return other > 0 ? std::clamp(static_cast<float>(guided / (guided + other)), kLeastShare, kMostShare)
-                     : kMostShare;
+    return other > 0
+               ? std::clamp(static_cast<float>(guided / (guided + other)), kMinGuidedShare, kMaxGuidedShare)
+               : kMaxGuidedShare;
   }
 
  private:

@@ -50,7 +50,7 @@ void add_lamp(test::SceneMaker& maker) {
   maker.add(QuadDescription{{-1.5f, 2.9f, 1.5f}, {0, 0, -3}, {3, 0, 0}, lamp});
 }
 
-// A sky with a small sun that shines through the opening onto the floor.
+// A sky with a small sun that lights the floor through the opening.
 void add_sun(test::SceneMaker& maker) {
   constexpr std::size_t kWidth = 256, kHeight = 128;
   const auto index_of = [](float part, std::size_t size) {
