@@ -9,6 +9,6 @@
 
 namespace tessera::core {
 
-inline constexpr std::string_view kDeterminismFingerprint = "b1499453e6eb7404";
+inline constexpr std::string_view kDeterminismFingerprint = "9391f9a906c35d8d";
 
 }  // namespace tessera::core

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "core/materials/fresnel.hpp"
 #include "core/materials/microfacet.hpp"
+#include "core/math/lane_array.hpp"
 #include "core/math/simd_double.hpp"
 #include "core/math/table_interpolation.hpp"
 
@@ -84,57 +84,89 @@ std::vector<Node> slope_nodes() {
   return nodes;
 }
 
-const std::vector<Node>& nodes_for(const Ggx&) {
-  static const std::vector<Node> nodes = disk_nodes();
+// A node in each lane. Those that fill up the last lanes have no share.
+struct NodeLanes {
+  Vec2Of<FloatN> u;
+  FloatLanes shares;
+};
+std::vector<NodeLanes> in_lanes(const std::vector<Node>& nodes) {
+  std::vector<NodeLanes> all;
+  for (std::size_t first = 0; first < nodes.size(); first += kLaneCount) {
+    FloatLanes x, y, shares;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      const bool fills_up = first + lane >= nodes.size();
+      const Node& node = nodes[fills_up ? first : first + lane];
+      x.set(lane, node.u.x), y.set(lane, node.u.y), shares.set(lane, fills_up ? 0 : node.share);
+    }
+    all.push_back({{x.all(), y.all()}, shares});
+  }
+  return all;
+}
+
+using GgxLanes = GgxOf<FloatN>;
+using MicrofacetsLanes = MicrofacetsOf<FloatN>;
+
+const std::vector<NodeLanes>& nodes_for(const GgxLanes&) {
+  static const std::vector<NodeLanes> nodes = in_lanes(disk_nodes());
   return nodes;
 }
-const std::vector<Node>& nodes_for(const Microfacets& facets) {
-  static const std::vector<Node> slopes = slope_nodes();
-  return facets.kind().distribution == MicrofacetDistribution::kGgx ? nodes_for(Ggx(1)) : slopes;
+const std::vector<NodeLanes>& nodes_for(const MicrofacetsLanes& facets) {
+  static const std::vector<NodeLanes> slopes = in_lanes(slope_nodes());
+  return facets.kind().distribution == MicrofacetDistribution::kGgx ? nodes_for(GgxLanes()) : slopes;
 }
 
 // G2 / G1, by the cosines to the normal.
-float unmasked_share(const Ggx& facets, float cos_o, float cos_i) {
+FloatN unmasked_share(const GgxLanes& facets, FloatN cos_o, FloatN cos_i) {
   return 4 * cos_i * cos_o * facets.smith_visibility(cos_o, cos_i) / facets.visible(cos_o);
 }
-float unmasked_share(const Microfacets& facets, float cos_o, float cos_i) {
-  const Vec3 wo = at_cosine(cos_o), wi = at_cosine(cos_i);
+FloatN unmasked_share(const MicrofacetsLanes& facets, FloatN cos_o, FloatN cos_i) {
+  const Vec3Of<FloatN> wo = at_cosine(cos_o), wi = at_cosine(cos_i);
   return 4 * cos_i * cos_o * facets.smith_visibility(wo, wi) / facets.visible(wo);
 }
 
-// The light that one microfacet normal adds, of those visible.
+// The light that microfacet normals add, one in each lane, of those visible.
 template <typename Facets>
-class Facet {
+class FacetLanes {
  public:
-  Facet(const Facets& facets, Vec3 wo, Vec2 u)
-      : facets_(facets), wo_(wo), h_(facets.sample_visible(wo, u)), cos_oh_(std::max(0.0f, dot(wo, h_))) {
-    const Vec3 wi = reflect(wo_, h_);
-    reflection_ = wi.z > 0 ? unmasked(wi.z) : 0;
+  FacetLanes(const Facets& facets, Vec3Of<FloatN> wo, Vec2Of<FloatN> u)
+      : facets_(facets),
+        wo_(wo),
+        h_(facets.sample_visible(wo, u)),
+        cos_oh_(larger(FloatN(0.0f), dot(wo, h_))) {
+    const Vec3Of<FloatN> wi = reflect<FloatN>(wo_, h_);
+    reflection_ = select(wi.z > 0, unmasked(wi.z), FloatN(0.0f));
   }
 
-  float reflection() const { return reflection_; }
-  float reflected(float eta) const { return fresnel_dielectric(cos_oh_, eta) * reflection_; }
-  float transmitted(float eta) const {
-    const std::optional<Vec3> wi = refract(wo_, h_, eta);
-    return wi && wi->z < 0 ? (1 - fresnel_dielectric(cos_oh_, eta)) * unmasked(-wi->z) : 0;
+  FloatN reflection() const { return reflection_; }
+  FloatN reflected(FloatN eta) const { return fresnel_dielectric<FloatN>(cos_oh_, eta) * reflection_; }
+  FloatN transmitted(FloatN eta) const {
+    const auto [found, wi] = refracted(wo_, h_, eta);
+    return select(found & (wi.z < 0), (1 - fresnel_dielectric<FloatN>(cos_oh_, eta)) * unmasked(-wi.z),
+                  FloatN(0.0f));
   }
 
  private:
-  float unmasked(float cos_i) const { return unmasked_share(facets_, wo_.z, cos_i); }
+  FloatN unmasked(FloatN cos_i) const { return unmasked_share(facets_, wo_.z, cos_i); }
 
   const Facets& facets_;
-  Vec3 wo_, h_;
-  float cos_oh_, reflection_;
+  Vec3Of<FloatN> wo_, h_;
+  FloatN cos_oh_, reflection_;
 };
+
+// The lanes in order, as if there were one.
+void add_shares(float& sum, FloatN values, const FloatLanes& shares) {
+  const FloatLanes each(values);
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) sum += each[lane] * shares[lane];
+}
 
 }  // namespace
 
 float single_reflection(MicrofacetKind kind, float alpha, float cos_o, float eta) {
-  const Microfacets facets(kind, alpha);
-  const Vec3 wo = at_cosine(cos_o);
+  const MicrofacetsLanes facets(kind, alpha);
+  const Vec3Of<FloatN> wo = at_cosine<FloatN>(cos_o);
   float sum = 0;
-  for (const auto& [u, share] : nodes_for(facets))
-    sum += Facet<Microfacets>(facets, wo, u).reflected(eta) * share;
+  for (const auto& [u, shares] : nodes_for(facets))
+    add_shares(sum, FacetLanes(facets, wo, u).reflected(eta), shares);
   return sum;
 }
 
@@ -163,9 +195,9 @@ DirectionalAlbedo::DirectionalAlbedo(MicrofacetKind kind) {
     for (std::size_t roughness = 1; roughness < kRoughnesses; ++roughness) {
       const float root_alpha = place_of(roughness, kRoughnesses), alpha = root_alpha * root_alpha;
       if (kind.is_correlated_ggx())
-        integrate(Ggx(alpha), roughness, cosine);
+        integrate(GgxLanes(alpha), roughness, cosine);
       else
-        integrate(Microfacets(kind, alpha), roughness, cosine);
+        integrate(MicrofacetsLanes(kind, alpha), roughness, cosine);
     }
   }
   for (std::size_t roughness = 0; roughness < kRoughnesses; ++roughness)
@@ -182,18 +214,18 @@ void DirectionalAlbedo::fill_smooth(std::size_t cosine) {
 
 template <typename Facets>
 void DirectionalAlbedo::integrate(const Facets& facets, std::size_t roughness, std::size_t cosine) {
-  const float cos_o = cosine_at(cosine, kCosines);
-  const Vec3 wo{std::sqrt(1 - cos_o * cos_o), 0, cos_o};
-  for (const auto& [u, share] : nodes_for(facets)) {
-    const Facet<Facets> facet(facets, wo, u);
-    reflecting_[roughness][cosine] += facet.reflection() * share;
+  const FloatN cos_o = cosine_at(cosine, kCosines);
+  const Vec3Of<FloatN> wo = at_cosine(cos_o);
+  for (const auto& [u, shares] : nodes_for(facets)) {
+    const FacetLanes<Facets> facet(facets, wo, u);
+    add_shares(reflecting_[roughness][cosine], facet.reflection(), shares);
     for (std::size_t index = 0; index < kIndices; ++index) {
-      const float eta = index_at(index, kIndices);
-      const float reflected = facet.reflected(eta);
-      reflected_[index][roughness][cosine] += reflected * share;
-      scattered_[0][index][roughness][cosine] += (reflected + facet.transmitted(eta)) * share;
-      scattered_[1][index][roughness][cosine] +=
-          (facet.reflected(1 / eta) + facet.transmitted(1 / eta)) * share;
+      const FloatN eta = index_at(index, kIndices);
+      const FloatN reflected = facet.reflected(eta);
+      add_shares(reflected_[index][roughness][cosine], reflected, shares);
+      add_shares(scattered_[0][index][roughness][cosine], reflected + facet.transmitted(eta), shares);
+      add_shares(scattered_[1][index][roughness][cosine],
+                 facet.reflected(1 / eta) + facet.transmitted(1 / eta), shares);
     }
   }
 }

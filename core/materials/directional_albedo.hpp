@@ -2,7 +2,7 @@
 // Directional albedos: the share of the light from everywhere that a surface of microfacets scatters to a
 // viewer, single scattering with exact Fresnel reflectance. Layers are attenuated by them, and what single
 // scattering loses is compensated (Turquin 2019). Tables are computed by quadrature on first use, which takes
-// some tens of milliseconds; thread-safe.
+// some tens of milliseconds, or two hundred for Beckmann's distribution; thread-safe.
 #pragma once
 
 #include <array>
