@@ -36,18 +36,6 @@ constexpr std::uint64_t ray_name(int ray) {
   return static_cast<std::uint64_t>(ray);
 }
 
-// Samples one light; visibility is not tested. `pdf` includes the choice of the light.
-std::optional<lights::LightSample> sample_any_light(const Scene& scene, const lights::LightSampler& lights,
-                                                    const lights::LightSampleContext& point,
-                                                    const std::array<float, 4>& u) {
-  const auto choice = lights.sample(point, combine_uniforms(u[2], u[3]));
-  if (choice.light == lights::kNoLight) return std::nullopt;
-  auto light = sample_light(scene.lights()[choice.light], scene.textures(), point, {u[0], u[1]},
-                            lights::MisCompensation::kOff, kGuideTime);
-  if (light) light->pdf *= choice.pmf;
-  return light;
-}
-
 class PhotonTracer {
  public:
   PhotonTracer(const Scene& scene, const lights::LightSampler& lights, const CausticCasters& casters,
@@ -147,7 +135,8 @@ class PhotonTracer {
     const auto u = sampler.pad(kPlacePad);
     const auto [primitive, instance, position, inverse_density] =
         casters_.sample(combine_uniforms(u[0], u[1]), {u[2], u[3]});
-    const auto light = sample_any_light(scene_, lights_, {position, {}}, sampler.pad(kLightPad));
+    const auto light = sample_any_light(scene_, lights_, {position, {}}, sampler.pad(kLightPad),
+                                        lights::MisCompensation::kOff);
     // Light from delta directions behind mirrors and smooth glass is not found by any path.
     if (!light || light->delta) return std::nullopt;
     const Vec3 origin = light->point ? offset_origin(*light->point, position - light->point->position)
@@ -194,8 +183,9 @@ float probe_other_light(const Scene& scene, const lights::LightSampler& lights, 
     throughput *= tint;
     const PathVertex vertex(scene, from, hit, enclosure.boundary);
     if (!vertex.is_delta())
-      if (const auto light = sample_any_light(scene, lights, vertex.light_context(),
-                                              sampler.pad(sampling::light_pad(depth))))
+      if (const auto light =
+              sample_any_light(scene, lights, vertex.light_context(), sampler.pad(sampling::light_pad(depth)),
+                               lights::MisCompensation::kOff))
         found += throughput * reflected_light(scene, vertex, *light, enclosure, uncounted) / light->pdf;
     const auto v = sampler.pad(sampling::scatter_pad(depth));
     const auto next = vertex.sample({v[0], v[1]}, v[2]);

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/base/parallel_errors.hpp"
-#include "core/integrators/direct_light.hpp"
 #include "core/integrators/guide_building.hpp"
 #include "core/integrators/opacity.hpp"
 #include "core/integrators/panes.hpp"
@@ -152,15 +151,12 @@ class Observer {
   // The irradiance that a sample of the light sampler finds, but for what look() finds.
   float other_light(const guiding::Photon& place, const std::array<float, 4>& u) const {
     const lights::LightSampleContext point{place.position, place.side_normal};
-    const auto [chosen, pmf] = lights_.sample(point, combine_uniforms(u[2], u[3]), compensation_);
-    if (chosen == lights::kNoLight) return 0;
-    const auto light = sample_light(scene_.lights()[chosen], scene_.textures(), point, {u[0], u[1]},
-                                    compensation_, kGuideTime);
+    const auto light = sample_any_light(scene_, lights_, point, u, compensation_);
     if (!light) return 0;
-    if (chosen == scene_.environment_light() &&
+    if (light->light == scene_.environment_light() &&
         scene_.environment().pdf(point.normal, light->wi) <= kConcentratedPdf)
       return 0;
-    const float value = irradiance(*light, point.normal) / pmf;
+    const float value = irradiance(*light, point.normal);
     return value > 0 && std::isfinite(value) ? value * arriving(ray_from(place, *light)) : 0;
   }
 

@@ -3,9 +3,14 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <optional>
 
+#include "core/lights/light_sample.hpp"
+#include "core/lights/light_sampler.hpp"
 #include "core/math/vec3.hpp"
+#include "core/scene/scene.hpp"
 
 namespace tessera::core::integrators {
 
@@ -22,5 +27,15 @@ inline Vec3 origin_above(Vec3 position, Vec3 side_normal) {
   const Vec3 a = abs(position);
   return position + side_normal * (1e-5f * std::max({a.x, a.y, a.z}));
 }
+
+// A sample of one light, whose number is `light`. `pdf` includes the choice of the light.
+struct AnyLightSample : lights::LightSample {
+  std::uint32_t light;
+};
+// Visibility is not tested. The first two of `u` sample the light that the others choose.
+std::optional<AnyLightSample> sample_any_light(const Scene& scene, const lights::LightSampler& lights,
+                                               const lights::LightSampleContext& point,
+                                               const std::array<float, 4>& u,
+                                               lights::MisCompensation compensation);
 
 }  // namespace tessera::core::integrators
