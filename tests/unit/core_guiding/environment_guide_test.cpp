@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -162,6 +163,18 @@ TEST(EnvironmentGuide, LeavesTheMeanThatOfPathsThroughACurtain) {
   maker.description().materials[curtain].opacity.value = 0.4f;
   maker.add(QuadDescription{{-1.9f, 0.9f, 0.6f}, {0, 0, -1.2f}, {0, 1.2f, 0}, curtain});
   maker.description().environment->visible_to_camera = false;
+  expect_mean_of_paths(maker.build());
+}
+
+// The guide is learnt for one time; the shutter before the opening is elsewhere at others.
+TEST(EnvironmentGuide, LeavesTheMeanThatOfPathsPastAMovingInstance) {
+  test::SceneMaker maker = room_with_opening();
+  SceneDescription& scene = maker.description();
+  scene.objects = {{"shutter", {QuadDescription{{-1.9f, 0.9f, 0.6f}, {0, 0, -1.2f}, {0, 1.2f, 0}, 0}}, {}}};
+  maker.add(InstanceDescription{0, {}, std::nullopt});
+  const auto shutter = static_cast<std::uint32_t>(scene.shapes.size() - 1);
+  scene.animation.instances = {{shutter, {TranslationMotion{{{0, 1}, {{0, 0, 0}, {0, 1.4f, 0}}}}}}};
+  scene.camera.shutter_close = 1;
   expect_mean_of_paths(maker.build());
 }
 
