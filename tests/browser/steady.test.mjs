@@ -85,6 +85,22 @@ for (const [device, viewport] of Object.entries({desktop: kDesktop, phone: kPhon
   });
 }
 
+test('what is known late moves nothing', async () => {
+  const id = await submit('known late', '100000');
+  const page = await open(browser, farm.url, {init: listShifts});
+  await page.getByRole('link', {name: 'known late'}).waitFor();
+  const details = new RegExp(`/api/v1/jobs/${id}$`);
+  await page.route(details, async (route) => {
+    await page.locator('.facts').first().waitFor({state: 'attached'});
+    await seeChanges(page, '.facts');
+    await route.continue();
+  });
+  await page.evaluate((hash) => (location.hash = hash), `#/jobs/${id}`);
+  await page.getByRole('heading', {name: 'Files'}).waitFor();
+  await assertSteady(page, 'the job');
+  await farm.api(`jobs/${id}`, {method: 'DELETE'});
+});
+
 test('nothing is fetched from elsewhere', async () => {
   const id = await submit('at home', '16');
   const page = await open(browser, farm.url);

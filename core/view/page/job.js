@@ -129,7 +129,8 @@ class JobView {
       if (before && isOver(before) && !isOver(this.job)) this.viewer?.source.reopen();
     }
     if (!this.viewer) this.tryViewer();
-    this.side.classList.toggle('is-empty', this.job.state === 'validating');
+    // Which panels there are is known with the details.
+    this.side.classList.toggle('is-empty', (this.details?.state ?? 'validating') === 'validating');
     this.overlays?.update(this.job);
     this.compare?.update(this.job);
   }
