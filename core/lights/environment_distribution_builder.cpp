@@ -13,6 +13,7 @@
 #include "core/lights/environment_distribution.hpp"
 #include "core/lights/normal_bins.hpp"
 #include "core/math/elementary.hpp"
+#include "core/math/lane_array.hpp"
 #include "core/sampling/shares.hpp"
 
 namespace tessera::core::lights {
@@ -113,6 +114,19 @@ class EnvironmentDistributionBuilder {
   using OfCells = std::array<double, kCells>;  // by band and sector
   using Patch = EnvironmentDistribution::PatchOf<float>;
 
+  // A direction for each cell.
+  class Directions {
+   public:
+    void set(std::size_t cell, Vec3 direction) {
+      lanes_[cell / kLaneCount].set(cell % kLaneCount, direction);
+    }
+    // Those of the cells from `first` on, which begins a vector.
+    Vec3Of<FloatN> from(std::size_t first) const { return lanes_[first / kLaneCount].all(); }
+
+   private:
+    std::array<Vec3Lanes, kCells / kLaneCount> lanes_{};
+  };
+
   struct Bounds {
     int first_column, first_row, end_column, end_row;
   };
@@ -190,9 +204,9 @@ class EnvironmentDistributionBuilder {
     });
     made_.cells_.push_back({.patch = patch(within)});
     EnvironmentDistribution::Cell& cell = made_.cells_.back();
-    for (std::size_t i = 0; i < kPlaces; ++i) directions_[index][i] = direction(cell.patch, place(i));
+    for (std::size_t i = 0; i < kPlaces; ++i) directions_[i].set(index, direction(cell.patch, place(i)));
     if (highest * solid_angle <= kMaxUneven * probability_[index]) return;
-    brightest_[index] = direction(patch(brightest), {0.5f, 0.5f});
+    brightest_.set(index, direction(patch(brightest), {0.5f, 0.5f}));
     cell.uneven = static_cast<std::int32_t>(made_.texels_.size());
     made_.texels_.push_back({within.first_column, within.first_row, texels(within)});
   }
@@ -232,17 +246,28 @@ class EnvironmentDistributionBuilder {
   OfCells cosines_of(std::uint32_t facing) const {
     OfCells cosines{};
     for (std::size_t n = 0; n < kPlaces; ++n) {
-      const Vec3 normal = bin_normal(facing, place(n));
-      const auto cosine = [normal](Vec3 direction) { return std::max(0.0f, dot(normal, direction)); };
-      for (std::size_t cell = 0; cell < kCells; ++cell) {
-        float mean = 0;
-        for (std::size_t i = 0; i < kPlaces; ++i) mean += place_weight(i) * cosine(directions_[cell][i]);
-        if (made_.cells_[cell].uneven != EnvironmentDistribution::kEven)
-          mean = 0.5f * (mean + cosine(brightest_[cell]));
-        cosines[cell] += static_cast<double>(place_weight(n) * mean);
+      const auto normal = broadcast<FloatN>(bin_normal(facing, place(n)));
+      const auto cosine = [normal](Vec3Of<FloatN> direction) {
+        return larger(FloatN(0.0f), dot(normal, direction));
+      };
+      for (std::size_t first = 0; first < kCells; first += kLaneCount) {
+        FloatN mean = 0.0f;
+        for (std::size_t i = 0; i < kPlaces; ++i)
+          mean = mean + place_weight(i) * cosine(directions_[i].from(first));
+        const FloatN with_brightest = 0.5f * (mean + cosine(brightest_.from(first)));
+        const FloatLanes values(place_weight(n) * select(uneven(first), with_brightest, mean));
+        for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+          cosines[first + lane] += static_cast<double>(values[lane]);
       }
     }
     return cosines;
+  }
+  // Of the cells from `first` on.
+  MaskN uneven(std::size_t first) const {
+    unsigned bits = 0;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+      bits |= (made_.cells_[first + lane].uneven != EnvironmentDistribution::kEven ? 1u : 0u) << lane;
+    return MaskN::from_bits(bits);
   }
 
   // Adds the tables for a normal bin.
@@ -329,8 +354,8 @@ class EnvironmentDistributionBuilder {
   double density_per_radiance_ = 0, least_density_ = 0;
   OfCells cell_solid_angle_{};
   OfCells light_{}, probability_{};  // integrals over the cell's solid angle: radiance, density
-  std::array<std::array<Vec3, kPlaces>, kCells> directions_{};
-  std::array<Vec3, kCells> brightest_{};
+  std::array<Directions, kPlaces> directions_{};
+  Directions brightest_{};
   std::vector<EnvironmentDistribution::Choice> compensated_;  // by facing
   EnvironmentDistribution made_;
 };
