@@ -29,13 +29,13 @@ using std::chrono::nanoseconds;
 // a smaller farm as well, and the times that count are those of the build without them.
 #ifdef TESSERA_SANITIZED
 constexpr auto kLongestHold = milliseconds(25);
-constexpr int kJobs = 200, kWorkers = 200;
+constexpr int kJobs = 50, kWorkers = 50, kTilesForOneStored = 256;
 #else
 constexpr auto kLongestHold = milliseconds(5);
-constexpr int kJobs = 1000, kWorkers = 1000;
+constexpr int kJobs = 1000, kWorkers = 1000, kTilesForOneStored = 32;
 #endif
 
-constexpr int kLargePx = 16'384, kTilesForOneStored = 32;
+constexpr int kLargePx = 16'384;
 
 nanoseconds processor_time() {
   timespec time{};
@@ -87,8 +87,8 @@ class LockHolds : public ScriptedFarm {
     EXPECT_GT(file->size_bytes, 0u);
   }
 
-  // Gives every 32nd tile of a job its first sample, which is black, in the store: all would take a minute to
-  // read. The coordinator must be closed.
+  // Gives one of kTilesForOneStored tiles of a job its first sample, which is black, in the store: all would
+  // take a minute to read. The coordinator must be closed.
   void store_first_samples(const std::string& id) {
     auto state = store::StateDirectory::open(folder_.path() / "state");
     ASSERT_TRUE(state) << state.error().message;

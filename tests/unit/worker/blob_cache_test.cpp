@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/integrators/fingerprint.hpp"
 #include "core/scene/cache/scene_store.hpp"
 #include "fake_coordinator.hpp"
 #include "proto/worker_key.hpp"
+#include "tests/support/test_scenes.hpp"
 #include "worker/machine_key.hpp"
 
 namespace tessera::worker {
@@ -89,8 +89,7 @@ TEST_F(BlobCacheTest, FilesInUseStayAndNothingExceedsTheLimit) {
 // Blobs of many sizes and built scenes, at a limit that two scenes reach.
 TEST_F(BlobCacheTest, BlobsAndScenesTogetherNeverExceedTheLimit) {
   const auto build = [](const core::SceneStore& store, std::size_t key) {
-    auto prepared =
-        store.prepare(std::to_string(key), 1, [] { return core::integrators::fingerprint_scene(); });
+    auto prepared = store.prepare(std::to_string(key), 1, [] { return test::room(); });
     const bool was_kept = prepared->bvh.has_value();
     EXPECT_TRUE(core::build_scene(std::move(*prepared), 1));
     return was_kept;
