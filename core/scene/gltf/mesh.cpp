@@ -224,7 +224,8 @@ void MeshReader::shape(MeshDescription& mesh, const Source& source,
   mesh.positions = steps.front().positions;
   mesh.normals = steps.front().normals;
   mesh.tangents = steps.front().tangents;
-  const bool deforms = std::ranges::any_of(steps, [&](const MeshStep& step) {
+  // The first step differs from itself where it has numbers that are none.
+  const bool deforms = std::any_of(steps.begin() + 1, steps.end(), [&](const MeshStep& step) {
     return step.positions != mesh.positions || step.normals != mesh.normals || step.tangents != mesh.tangents;
   });
   if (deforms) mesh.steps = std::move(steps);

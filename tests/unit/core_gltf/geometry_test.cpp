@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/unit/core_gltf/gltf_file.hpp"
 
 namespace tessera::core::test {
@@ -195,6 +197,18 @@ TEST(GltfGeometry, KeepsOnlyVerticesThatTrianglesUse) {
     EXPECT_THAT(mesh_of(*scene).positions, ElementsAre(Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{5, 0, 0}));
     EXPECT_THAT(mesh_of(*scene).triangles, ElementsAre(Corners{1, 2, 0}));
   }
+}
+
+TEST(GltfGeometry, IsAtRestWherePositionsAreNoNumbers) {
+  GltfFile file;
+  const int positions = file.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0, std::nanf(""), 0, 0});
+  const auto scene = load_gltf(file_of(file, {{"attributes", {{"POSITION", positions}}},
+                                              {"indices", file.indices({0, 1, 2, 0, 1, 3})}})
+                                   .text());
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(mesh_of(*scene).triangles.size(), 1u);
+  EXPECT_TRUE(mesh_of(*scene).steps.empty());
+  EXPECT_FALSE(scene->animation.deforms);
 }
 
 TEST(GltfGeometry, AppliesMorphTargets) {
