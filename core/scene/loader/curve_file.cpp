@@ -53,6 +53,7 @@ class CurveFileReader {
  private:
   Status read_element(const PlyElement& element) {
     if (element.name == "vertex") {
+      if (!strands_.points.empty()) return bad_curves("has two elements 'vertex'");
       const auto radius = find_number(element, "radius");
       strands_.points.reserve(element.count);
       return read_vectors(element, {"x", "y", "z"}, [&](Vec3 p) {

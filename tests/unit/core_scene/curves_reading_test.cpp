@@ -73,6 +73,16 @@ TEST(CurvesReading, ReadsFiles) {
   EXPECT_FALSE(read_curve_file(huge, "a.ply"));
 }
 
+TEST(CurvesReading, RefusesASecondListOfPoints) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+      "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty float radius\n"
+      "element curve 1\nproperty uint points\nend_header\n0 0 0\n1 0 0 2\n2\n";
+  const auto strands = read_curve_file(text, "a.ply");
+  ASSERT_FALSE(strands);
+  EXPECT_EQ(strands.error().message, "'a.ply' has two elements 'vertex'");
+}
+
 TEST(CurvesReading, SaysWhatIsWrong) {
   const std::string four = "\"points\": [[[0,0,0],[1,0,0],[2,0,0],[3,0,0]]]";
   const auto expect = [](const std::string& message, std::string_view part) {
