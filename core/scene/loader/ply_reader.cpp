@@ -104,7 +104,10 @@ Result<MeshFile> PlyReader::read() {
   if (!has_vertices_) return broken("it has no element 'vertex'");
   if (file_.mesh.triangles.empty())
     return fail(ErrorCode::kInvalidArgument, "has no faces; clouds of points cannot be rendered");
-  file_.mesh.triangle_materials.resize(has_materials_ ? file_.mesh.triangles.size() : 1);
+  const std::size_t triangles = file_.mesh.triangles.size();
+  file_.mesh.triangle_materials.resize(has_materials_ ? triangles : 1);
+  for (MeshAttribute& attribute : file_.attributes)
+    if (attribute.of_triangles) attribute.values.resize(triangles);
   return std::move(file_);
 }
 
@@ -316,17 +319,20 @@ Status PlyReader::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c
   return {};
 }
 
+// Triangles of other elements, which lack them, have zeros.
 void PlyReader::add_triangle_attributes(const PlyElement& element, std::size_t triangles_before) {
   const std::size_t more = file_.mesh.triangles.size() - triangles_before;
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
     if (face_attributes_[i]) {
       auto& values = file_.attributes[*face_attributes_[i]].values;
+      values.resize(triangles_before);
       values.insert(values.end(), more, row_[i]);
     } else if (element.properties[i].name == "material_index" && !element.properties[i].is_list) {
       constexpr float kMaxIndex = 1 << 24;
       const float index = row_[i] >= 0 && row_[i] < kMaxIndex ? row_[i] : kMaxIndex;
-      file_.mesh.triangle_materials.insert(file_.mesh.triangle_materials.end(), more,
-                                           static_cast<std::uint32_t>(index));
+      auto& materials = file_.mesh.triangle_materials;
+      materials.resize(triangles_before);
+      materials.insert(materials.end(), more, static_cast<std::uint32_t>(index));
     }
   }
 }

@@ -178,6 +178,20 @@ TEST(Ply, ReadsTriangleStrips) {
   EXPECT_THAT(ply(text).mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{2, 1, 3}, Triangle{2, 3, 4}));
 }
 
+TEST(Ply, HasFacesBesideStrips) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element tristrips 1\nproperty list int int vertex_indices\n"
+      "element face 1\nproperty list uchar int vertex_indices\nproperty int material_index\n"
+      "property float heat\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n3 0 1 2 7 0.5\n3 0 1 2\n";
+  const MeshFile file = ply(text, MeshAttributes::kKeep);
+  EXPECT_EQ(file.mesh.triangles.size(), 4u);
+  EXPECT_THAT(file.mesh.triangle_materials, ElementsAre(0u, 0u, 7u, 0u));
+  ASSERT_EQ(file.attributes.size(), 1u);
+  EXPECT_THAT(file.attributes[0].values, ElementsAre(0, 0, 0.5f, 0));
+}
+
 TEST(Ply, DecompressesGzip) {
   const std::string text = kAsciiTriangle;
   std::string packed(1000, '\0');
