@@ -64,7 +64,8 @@ class JobView {
     root.append(h('div.job', {}, this.head.element, this.stage, this.side));
     this.askDetails = throttle(400, () => this.fetchDetails());
     this.leave = [onStore('change', () => this.takeFromStore())];
-    this.timer = setInterval(() => this.job && !isOver(this.job) && this.fetchDetails(), kDetailsMs);
+    const isStale = () => this.job && !(this.details && isOver(this.job));
+    this.timer = setInterval(() => isStale() && this.fetchDetails(), kDetailsMs);
     this.fetchDetails();
   }
 
