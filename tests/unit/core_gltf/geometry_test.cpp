@@ -202,9 +202,9 @@ TEST(GltfGeometry, KeepsOnlyVerticesThatTrianglesUse) {
 TEST(GltfGeometry, IsAtRestWherePositionsAreNoNumbers) {
   GltfFile file;
   const int positions = file.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0, std::nanf(""), 0, 0});
-  const auto scene = load_gltf(file_of(file, {{"attributes", {{"POSITION", positions}}},
-                                              {"indices", file.indices({0, 1, 2, 0, 1, 3})}})
-                                   .text());
+  const int indices = file.indices({0, 1, 2, 0, 1, 3});
+  const auto scene =
+      load_gltf(file_of(file, {{"attributes", {{"POSITION", positions}}}, {"indices", indices}}).text());
   ASSERT_TRUE(scene) << scene.error().message;
   EXPECT_EQ(mesh_of(*scene).triangles.size(), 1u);
   EXPECT_TRUE(mesh_of(*scene).steps.empty());
