@@ -20,33 +20,29 @@ bool returns(const std::function<void()>& call, std::future<void>& done) {
   return done.wait_for(kFarTooLong) == std::future_status::ready;
 }
 
-// Blocks in every call, except for the first calls of all.
+// Blocks in every call.
 class Held {
  public:
-  explicit Held(int free_calls) : free_calls_(free_calls) {}
-  void call() {
-    if (free_calls_-- <= 0) barrier_.wait();
-  }
+  void call() { barrier_.wait(); }
   void wait_for_call() { barrier_.wait_for_someone(); }
   void let_go() { barrier_.open(); }
 
  private:
-  std::atomic<int> free_calls_;
   Barrier barrier_;
 };
 
 class HeldStream final : public Held, public WatchedStream {
  public:
-  HeldStream() : Held(0) {}
   void end_if_waiting_since(Clock::time_point) override { call(); }
 };
 
+// Blocks in the rounds of the hub: nothing changes, but whoever is added is told at once that it may have.
 class HeldWatcher final : public Held, public Watcher {
  public:
-  explicit HeldWatcher(std::string job_id) : Held(1), job_id_(std::move(job_id)) {}
+  explicit HeldWatcher(std::string job_id) : job_id_(std::move(job_id)) {}
   const std::string& job_id() const override { return job_id_; }
-  bool notify(bool) override {
-    call();
+  bool notify(bool changed) override {
+    if (!changed) call();
     return true;
   }
   void close() override {}
