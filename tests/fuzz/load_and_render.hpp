@@ -8,13 +8,13 @@
 #include <string>
 #include <utility>
 
-#include "core/integrators/render.hpp"
 #include "core/scene/loader/loader.hpp"
 #include "core/scene/pose.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/validation.hpp"
 #include "tests/fuzz/expect.hpp"
 #include "tests/fuzz/parts.hpp"
+#include "tests/fuzz/render_corner.hpp"
 
 namespace tessera::fuzz {
 
@@ -35,16 +35,6 @@ class InputAssets : public core::AssetSource {
   std::map<std::string_view, std::string_view> files_;
 };
 
-// Rendering cannot fail, whatever the scene. Nearly all of the time would go into photons.
-inline void render_corner(const core::Scene& scene) {
-  constexpr core::PixelRect kCorner{0, 0, 1, 1};
-  constexpr core::SampleRange kSamples{0, 2};
-  const auto plan =
-      core::integrators::prepare(scene, scene.settings(), 1, core::integrators::kPhotonPathsAtOnce);
-  const core::FilmTile tile = core::integrators::render(plan, kCorner, kSamples, 1);
-  expect(tile.counters.samples == kSamples.count(), "every sample is counted");
-}
-
 // `name` is the scene file's, whose ending decides its format.
 inline void load_and_render(std::string_view input, const std::string& name) {
   InputAssets assets(input, name);
@@ -56,10 +46,10 @@ inline void load_and_render(std::string_view input, const std::string& name) {
   auto scene = core::Scene::build(std::move(*description), 1);
   expect(expect_answer(scene) == valid, "what is validated can be built, and nothing else");
   if (!scene) return;
-  render_corner(*scene);
+  render_corner(*scene, scene->settings());
   expect(expect_answer(scene->set_frame(kFrames[0], 1)) == has_frame,
          "frames that are validated can be shown, and no others");
-  render_corner(*scene);
+  render_corner(*scene, scene->settings());
 }
 
 }  // namespace tessera::fuzz

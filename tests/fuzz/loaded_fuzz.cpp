@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "core/integrators/fingerprint.hpp"
-#include "core/integrators/render.hpp"
 #include "core/scene/cache/archive.hpp"
 #include "core/scene/cache/loaded_scene.hpp"
 #include "core/scene/cache/scene_maker.hpp"
@@ -23,6 +22,7 @@
 #include "tests/fuzz/expect.hpp"
 #include "tests/fuzz/fuzzer.hpp"
 #include "tests/fuzz/parts.hpp"
+#include "tests/fuzz/render_corner.hpp"
 
 namespace tessera::fuzz::loaded_fuzz {
 namespace {
@@ -67,16 +67,11 @@ core::OpenFile file_of(const Written& written) {
 void build_and_render(core::SceneDescription description, core::Integrator integrator) {
   auto scene = core::Scene::build(std::move(description), 1);
   if (!scene) return expect(!scene.error().message.empty(), "an error says what is wrong");
-  constexpr core::PixelRect kCorner{0, 0, 1, 1};
-  constexpr core::SampleRange kSamples{0, 2};
   const core::RenderSettings settings{.integrator = integrator};  // a worker takes those of the job
   for (const std::int32_t frame : {0, 7}) {
     if (const core::Status shown = scene->set_frame(frame, 1); !shown)
       return expect(!shown.error().message.empty(), "an error says what is wrong");
-    // Nearly all of the time would go into photons.
-    const auto plan = core::integrators::prepare(*scene, settings, 1, core::integrators::kPhotonPathsAtOnce);
-    const core::FilmTile tile = core::integrators::render(plan, kCorner, kSamples, 1);
-    expect(tile.counters.samples == kSamples.count(), "every sample is counted");
+    render_corner(*scene, settings);
   }
 }
 

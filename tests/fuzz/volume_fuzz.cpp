@@ -19,7 +19,7 @@ TESSERA_FUZZER(volume, std::string_view input) {
   const auto holds = [](float v, float most) {
     return v <= most * 1.0001f + std::numeric_limits<float>::min();
   };
-  expect(holds(value.r, bound.r) && holds(value.b, bound.b), "the bound holds");
+  expect(holds(value.r, bound.r) && holds(value.g, bound.g) && holds(value.b, bound.b), "the bound holds");
 }
 
 }  // namespace tessera::fuzz
