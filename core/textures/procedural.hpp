@@ -11,6 +11,7 @@
 #include "core/math/rgb.hpp"
 #include "core/math/transform.hpp"
 #include "core/textures/texture_parameter.hpp"
+#include "core/textures/wrap.hpp"
 
 namespace tessera::core {
 
@@ -84,11 +85,6 @@ struct PowerPattern {
 struct FacingPattern {
   bool operator==(const FacingPattern&) const = default;
 };
-
-// Beyond the edges: the grid or image again, its edge, or itself mirrored at each edge.
-enum class Wrap { kRepeat, kClamp, kMirror };
-// Between texels or voxels: interpolated, or the nearest one's value.
-enum class TextureFilter { kLinear, kNearest };
 
 // A grid of voxels over the unit cube. Its layers of equal z stand side by side in an image, from the top
 // left, row by row: voxel (x, y, z) is the texel (x, y) of layer z, counted from the layer's top left.

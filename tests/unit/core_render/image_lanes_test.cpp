@@ -57,9 +57,12 @@ TEST_F(VertexLanes, OfTextures) {
     using Uv = Vec2Of<FloatN>;
     const UvSetsOf<FloatN> uv(Uv{u.all(), v.all()}, Uv{second_u.all(), second_v.all()});
     const RgbLanes together(Texture::evaluate(pointers, uv));
+    const FloatLanes reds(Texture::evaluate_red(pointers, uv));
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       const UvSets of_lane({u[lane], v[lane]}, {second_u[lane], second_v[lane]});
       ASSERT_EQ(together[lane], textures[lane].evaluate(of_lane));
+      ASSERT_EQ(reds[lane], together[lane].r);
+      ASSERT_EQ(textures[lane].evaluate_red(of_lane), together[lane].r);
     }
   }
 }
