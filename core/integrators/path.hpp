@@ -125,6 +125,9 @@ class PathTracer {
   };
   LightConnections sample_lights(const Paths& paths, const lights::LightSampleContexts& from, unsigned lit,
                                  int depth) const;
+  LightConnections sample_chosen_lights(const Paths& paths, const lights::LightSampleContexts& from,
+                                        Vec2Of<FloatN> u, const std::array<double, kLaneCount>& u_light,
+                                        unsigned lit) const;
   void guide_to_environment(const lights::LightSampleContexts& from,
                             const EnvironmentGuide::GuidanceOf<FloatN>& guidance, MaskN guided,
                             Vec2Of<FloatN> u, LightConnections& connections) const;

@@ -12,6 +12,24 @@
 #include "core/math/lane_array.hpp"
 
 namespace tessera::core::integrators {
+namespace {
+
+// The lanes that sample the environment by its guide. In the others the numbers become uniform again.
+unsigned choose_guided(const EnvironmentGuide::GuidanceOf<FloatN>& guidance,
+                       std::array<double, kLaneCount>& u_light) {
+  const FloatLanes shares(guidance.share);
+  unsigned guided = 0;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const auto share = static_cast<double>(shares[lane]);
+    if (u_light[lane] < share)
+      guided |= 1u << lane;
+    else if (share > 0)
+      u_light[lane] = (u_light[lane] - share) / (1 - share);
+  }
+  return guided;
+}
+
+}  // namespace
 
 // Samples a light for each vertex, and evaluates what the vertex reflects of it along the path.
 template <typename Vertices>
@@ -41,39 +59,39 @@ PathTracer::LightConnections PathTracer::sample_lights(const Paths& paths,
                                                        const lights::LightSampleContexts& from, unsigned lit,
                                                        int depth) const {
   const auto u = numbers(paths, depth, sampling::light_pad);
-  EnvironmentGuide::GuidanceOf<FloatN> guidance;
-  if (environment_guide_ != nullptr) guidance = environment_guide_->at(from);
-  const FloatLanes coarse(u[2]), fine(u[3]), shares(guidance.share);
+  const FloatLanes coarse(u[2]), fine(u[3]);
   std::array<double, kLaneCount> u_light;
-  unsigned guided = 0;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
     u_light[lane] = combine_uniforms(coarse[lane], fine[lane]);
-    const auto share = static_cast<double>(shares[lane]);
-    if (u_light[lane] < share)
-      guided |= lit & 1u << lane;
-    else if (share > 0)
-      u_light[lane] = (u_light[lane] - share) / (1 - share);
-  }
-  const unsigned chooses = lit & ~guided;
-  const auto choices = light_sampler_.sample(from, u_light, chooses, compensation_);
+  if (environment_guide_ == nullptr) return sample_chosen_lights(paths, from, {u[0], u[1]}, u_light, lit);
+  const EnvironmentGuide::GuidanceOf<FloatN> guidance = environment_guide_->at(from);
+  const unsigned guided = lit & choose_guided(guidance, u_light);
+  LightConnections connections = sample_chosen_lights(paths, from, {u[0], u[1]}, u_light, lit & ~guided);
+  if (any(guidance.share > 0))
+    guide_to_environment(from, guidance, MaskN::from_bits(guided), {u[0], u[1]}, connections);
+  return connections;
+}
+
+// Lanes whose bits are set in `lit` choose by u_light.
+PathTracer::LightConnections PathTracer::sample_chosen_lights(const Paths& paths,
+                                                              const lights::LightSampleContexts& from,
+                                                              Vec2Of<FloatN> u,
+                                                              const std::array<double, kLaneCount>& u_light,
+                                                              unsigned lit) const {
+  const auto choices = light_sampler_.sample(from, u_light, lit, compensation_);
   std::array<const lights::Light*, kLaneCount> chosen{};
   WordLanes of_lights;
   FloatLanes pmf;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     const auto& [light, chance] = choices[lane];
-    if ((chooses >> lane & 1) != 0 && light != lights::kNoLight) chosen[lane] = &scene_.lights()[light];
+    if ((lit >> lane & 1) != 0 && light != lights::kNoLight) chosen[lane] = &scene_.lights()[light];
     of_lights.set(lane, light);
     pmf.set(lane, chance);
   }
-  LightConnections connections{
-      lights::sample_lights(chosen, scene_.textures(), from, {u[0], u[1]}, compensation_,
-                            scene_.has_motion() ? paths.rays.all(&Ray::time) : 0.0f),
-      of_lights,
-      {}};
-  connections.pdf = pmf.all() * connections.lights.pdf;
-  if (any(guidance.share > 0))
-    guide_to_environment(from, guidance, MaskN::from_bits(guided), {u[0], u[1]}, connections);
-  return connections;
+  const lights::LightSamples samples =
+      lights::sample_lights(chosen, scene_.textures(), from, u, compensation_,
+                            scene_.has_motion() ? paths.rays.all(&Ray::time) : 0.0f);
+  return {samples, of_lights, pmf.all() * samples.pdf};
 }
 
 // Replaces the samples of guided lanes, and the densities of all where there is guidance.
