@@ -117,12 +117,12 @@ INSTANTIATE_TEST_SUITE_P(ThinLens, CircleOfConfusion,
 // A small bright ball stands for the point: with the film's pixel it adds a little to the spread.
 TEST_P(CircleOfConfusion, HasItsDiameterOnTheFilm) {
   constexpr int kSide = 96;
-  constexpr double kLens = 0.4, kFocus = 4;
+  constexpr double kAperture = 0.4, kFocus = 4;
   const double distance = double{GetParam().distance};
   test::SceneMaker maker({.position = {0, 0, 0},
                           .look_at = {0, 0, -1},
                           .vertical_fov_degrees = 20,
-                          .aperture_radius = static_cast<float>(kLens),
+                          .aperture_radius = static_cast<float>(kAperture),
                           .focus_distance = static_cast<float>(kFocus),
                           .aperture_blades = GetParam().blades});
   const auto bright = maker.material(test::lambert(0), Rgb::gray(1));
@@ -131,7 +131,8 @@ TEST_P(CircleOfConfusion, HasItsDiameterOnTheFilm) {
   const FilmTile tile = render_all(maker.build(), {.width_px = kSide, .height_px = kSide, .spp = 256});
 
   const double pixels_per_slope = kSide / (2 * std::tan(10 * M_PI / 180));
-  const double diameter = 2 * kLens * std::fabs(distance - kFocus) / (distance * kFocus) * pixels_per_slope;
+  const double diameter =
+      2 * kAperture * std::fabs(distance - kFocus) / (distance * kFocus) * pixels_per_slope;
   const double ball_px = ball / distance * pixels_per_slope;
   // A regular polygon of circumradius 1 has this variance along every axis; a disk 1/4.
   const int blades = GetParam().blades;
