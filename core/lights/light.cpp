@@ -104,12 +104,16 @@ std::optional<LightSample> sample_light(const Light& light, const std::vector<Te
 LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std::vector<Texture>& textures,
                            const LightSampleContexts& lit, Vec2Of<FloatN> u, MisCompensation compensation,
                            FloatN time) {
+  const FloatLanes times(time);
+  std::array<std::optional<AreaLight>, kLaneCount> moved;
   AreaLights quads, spheres;
   const Environment* environment = nullptr;  // a scene has at most one
   unsigned environment_lanes = 0, other_lanes = 0;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     if (!lights[lane]) continue;
     const auto* area = std::get_if<AreaLight>(lights[lane]);
+    if (const auto* moving = std::get_if<MovingAreaLight>(lights[lane]))
+      area = &moved[lane].emplace(moving->at(times[lane]));
     const auto* around = std::get_if<Environment>(lights[lane]);
     if (area && area->is_quad()) {
       quads.set(lane, area);
@@ -133,7 +137,7 @@ LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std:
                MaskN::from_bits(environment_lanes));
   if (other_lanes == 0) return samples;
   const Vec3Lanes position(lit.position), normal(lit.normal);
-  const FloatLanes u_x(u.x), u_y(u.y), times(time);
+  const FloatLanes u_x(u.x), u_y(u.y);
   SampleLanes others;
   for (; other_lanes != 0; other_lanes &= other_lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(other_lanes));
