@@ -16,7 +16,7 @@
 namespace tessera::core::pbrt {
 namespace {
 
-constexpr int kMaxIncludeDepth = 32;
+constexpr std::size_t kMaxIncludeDepth = 32;
 constexpr std::uint64_t kMaxFiles = 10'000;
 constexpr std::size_t kMaxSavedStates = 10'000, kMaxDefaults = 1000;  // values
 
@@ -61,6 +61,8 @@ Interpreter::Handler Interpreter::handler_of(std::string_view directive) {
       {"CoordinateSystem", &I::coordinate_system},
       {"Film", &I::film},
       {"Identity", &I::identity},
+      {"Import", &I::import},
+      {"Include", &I::include},
       {"Integrator", &I::integrator},
       {"LightSource", &I::light_source},
       {"LookAt", &I::look_at_directive},
@@ -95,7 +97,10 @@ Interpreter::Handler Interpreter::handler_of(std::string_view directive) {
 }
 
 Status Interpreter::run() {
-  if (auto read = run_file({}, builder_.scene_path(), 0); !read) return read;
+  auto scene = source(builder_.scene_path());
+  if (!scene) return fail(scene.error());
+  File file{TokenStream(*std::move(scene))};
+  if (auto read = run_directives(file); !read) return read;
   if (!in_world_)
     if (auto started = start_world(); !started) return started;
   if (auto added = add_waiting_shapes(); !added) return added;
@@ -116,63 +121,72 @@ void Interpreter::tell_unused_attributes() const {
     }
 }
 
-Status Interpreter::run_file(const Place& from, const std::string& path, int depth) {
-  const auto bytes = builder_.read(path);
-  if (!bytes) return from.file ? report_.error(from, bytes.error().message) : fail(bytes.error());
-  std::string content;
-  const auto plain = gunzipped(*bytes, content);
+Result<SourceText> Interpreter::source(const std::string& path) const {
+  auto bytes = builder_.read(path);
+  if (!bytes) return fail(bytes.error());
+  if (!is_gzip(*bytes)) return SourceText{path, *std::move(bytes)};
+  SourceText text{path, {}};
+  const auto plain = gunzipped(*bytes, text.content);
   if (!plain) return fail(plain.error().code, fmt::format("{} {}", in_quotes(path), plain.error().message));
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-  std::string_view text = *plain;
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  File file{std::make_shared<const std::string>(path), Tokenizer(text)};
-  return run_directives(file, depth);
+  return text;
 }
 
-Status Interpreter::run_directives(File& file, int depth) {
+Status Interpreter::run_directives(File& file) {
   while (true) {
+    file.tokens.release_ended();
     const auto token = file.tokens.next();
-    file.line = file.tokens.line();
     if (!token) return at(file, token.error());
     if (token->is(Token::Kind::kEnd)) return {};
-    file.line = token->line;
+    file.directive = file.tokens.place();
     if (!token->is(Token::Kind::kWord))
       return report_.error(place(file), fmt::format("expected a directive, got {}", in_quotes(token->text)));
-    Status done;
-    if (token->text == "Include" || token->text == "Import") {
-      done = include(file, depth, token->text == "Include");
-    } else if (const Handler handler = handler_of(token->text)) {
-      done = (this->*handler)(file);
-    } else {
+    const Handler handler = handler_of(token->text);
+    if (handler == nullptr)
       return report_.error(place(file), fmt::format("the directive {} is not known", in_quotes(token->text)));
-    }
-    if (!done) return done;
+    if (auto done = (this->*handler)(file); !done) return done;
   }
 }
 
-// What an imported file changes ends with it, but for what it names.
-Status Interpreter::include(File& file, int depth, bool keeps_state) {
+Result<SourceText> Interpreter::named_source(File& file) {
   const auto name = text(file);
   if (!name) return fail(name.error());
-  if (depth >= kMaxIncludeDepth)
+  if (outer_files_ + file.tokens.depth() > kMaxIncludeDepth)
     return report_.error(place(file),
                          fmt::format("files include each other more than {} deep", kMaxIncludeDepth));
   if (++files_ > kMaxFiles)
     return report_.error(place(file), fmt::format("more than {} files are included", kMaxFiles));
   const auto path = find_file(builder_, place(file), *name);
   if (!path)
-    return fail(ErrorCode::kNotFound, fmt::format("{}:{}: the file {} does not exist",
-                                                  builder_.shown(*file.path), file.line, in_quotes(*name)));
+    return fail(ErrorCode::kNotFound,
+                fmt::format("{}: the file {} does not exist", report_.shown(place(file)), in_quotes(*name)));
+  auto read = source(*path);
+  if (!read) return report_.error(place(file), read.error().message);
+  return read;
+}
+
+Status Interpreter::include(File& file) {
+  auto source = named_source(file);
+  if (!source) return fail(source.error());
+  file.tokens.include(*std::move(source));
+  return {};
+}
+
+// What an imported file changes ends with it, but for what it names.
+Status Interpreter::import(File& file) {
+  auto source = named_source(file);
+  if (!source) return fail(source.error());
   const GraphicsState before = state_;
-  if (auto done = run_file(place(file), *path, depth + 1); !done) return done;
-  if (keeps_state) return {};
+  File imported{TokenStream(*std::move(source))};
+  outer_files_ += file.tokens.depth();
+  if (auto done = run_directives(imported); !done) return done;
+  outer_files_ -= file.tokens.depth();
   state_ = before;
   colors_.set_space(state_.color_space);
   return {};
 }
 
 tl::unexpected<Error> Interpreter::at(const File& file, const Error& error) const {
-  return fail(error.within(fmt::format("{}:{}", builder_.shown(*file.path), file.line)));
+  return fail(error.within(report_.shown(file.tokens.place())));
 }
 
 Result<std::string> Interpreter::text(File& file) {
@@ -208,9 +222,8 @@ Result<std::vector<float>> Interpreter::numbers(File& file, std::size_t count) {
 
 Result<Parameters> Interpreter::parameters(File& file) {
   auto parsed = parse_parameters(file.tokens, place(file));
-  if (parsed) return parsed;
-  file.line = file.tokens.line();
-  return at(file, parsed.error());
+  if (!parsed) return at(file, parsed.error());
+  return parsed;
 }
 
 Result<Parameters> Interpreter::parameters(File& file, AttributeTarget target) {
@@ -275,7 +288,7 @@ Result<Parameters> Interpreter::option_value(File& file) {
     return parameters(file);
   Parameter option;
   option.name = without_separators(*text(file));
-  option.line = file.tokens.line();
+  option.place = file.tokens.place();
   const auto value = file.tokens.next();
   if (!value) return at(file, value.error());
   if (value->is(Token::Kind::kString)) {
@@ -403,7 +416,7 @@ Status Interpreter::attribute(File& file) {
                          fmt::format("there are more than {} values of default parameters", kMaxDefaults));
   given->share_use();
   for (const Parameter& parameter : given->list())
-    attributes_.push_back({{file.path, parameter.line}, *name, parameter.name, parameter.is_used_anywhere});
+    attributes_.push_back({parameter.place, *name, parameter.name, parameter.is_used_anywhere});
   defaults = joined(defaults, *given);
   return {};
 }

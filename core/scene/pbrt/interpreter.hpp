@@ -25,7 +25,7 @@
 #include "core/scene/pbrt/surfaces.hpp"
 #include "core/scene/pbrt/texture_baker.hpp"
 #include "core/scene/pbrt/textures.hpp"
-#include "core/scene/pbrt/tokenizer.hpp"
+#include "core/scene/pbrt/token_stream.hpp"
 #include "core/scene/pbrt/view.hpp"
 
 namespace tessera::core::pbrt {
@@ -41,21 +41,22 @@ class Interpreter {
   Status run();
 
  private:
-  // A file that is being read.
+  // A file that is being read, with those that it includes.
   struct File {
-    std::shared_ptr<const std::string> path;
-    Tokenizer tokens;
-    int line = 0;  // of the directive
+    TokenStream tokens;
+    Place directive{};  // where the current one begins
   };
   using Handler = Status (Interpreter::*)(File& file);
   static Handler handler_of(std::string_view directive);
 
-  Status run_file(const Place& from, const std::string& path, int depth);
-  Status run_directives(File& file, int depth);
-  Status include(File& file, int depth, bool keeps_state);
+  Status run_directives(File& file);
+  // The text of a file, uncompressed. Errors name it.
+  Result<SourceText> source(const std::string& path) const;
+  // The same for the file that a directive names; errors name file and line.
+  Result<SourceText> named_source(File& file);
 
   // Reading of arguments. Errors name file and line.
-  Place place(const File& file) const { return {file.path, file.line}; }
+  const Place& place(const File& file) const { return file.directive; }
   Result<std::string> text(File& file);
   Result<std::vector<float>> numbers(File& file, std::size_t count);
   Result<Parameters> parameters(File& file);
@@ -77,6 +78,8 @@ class Interpreter {
   Status coordinate_system(File& file);
   Status film(File& file);
   Status identity(File& file);
+  Status import(File& file);
+  Status include(File& file);
   Status integrator(File& file);
   Status light_source(File& file);
   Status look_at_directive(File& file);
@@ -162,7 +165,8 @@ class Interpreter {
   std::optional<Place> camera_medium_place_;
   std::string camera_medium_;
   bool in_world_ = false;
-  std::uint64_t files_ = 0;
+  std::uint64_t files_ = 0;      // that were included or imported
+  std::size_t outer_files_ = 0;  // are open around the file that is imported
 };
 
 }  // namespace tessera::core::pbrt

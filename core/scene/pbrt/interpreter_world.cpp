@@ -130,7 +130,7 @@ Status Interpreter::shape(File& file) {
   if (object_) placement.to_world = still_transform(place(file), "a shape of an object");
   auto motion = object_ ? std::nullopt : motion_here(place(file));
   if (!motion) return add_shape(*kind, *given, std::move(placement));
-  const std::string name = fmt::format("shape in line {}", file.line);
+  const std::string name = fmt::format("shape in line {}", place(file).line);
   placement.object = builder_.add_object(name);
   placement.to_world = {};
   add_moving(*placement.object, *std::move(motion), name, place(file));
@@ -181,7 +181,7 @@ Status Interpreter::object_instance(File& file) {
                  fmt::format("there is no object {}; it is left out", in_quotes(*name)));
   } else {
     auto motion = motion_here(place(file));
-    std::string shown = fmt::format("instance in line {}", file.line);
+    std::string shown = fmt::format("instance in line {}", place(file).line);
     if (motion) {
       add_moving(object->second, *std::move(motion), std::move(shown), place(file));
     } else {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/scene/loader/wording.hpp"
+#include "core/scene/pbrt/cloud_density.hpp"
 #include "core/scene/pbrt/measured_media.hpp"
 
 namespace tessera::core::pbrt {
@@ -37,6 +38,8 @@ bool Media::define(const std::string& name, const Parameters& p, const Matrix& t
     is_supported = read_uniform_grid(p, to_world, medium);
   } else if (type == "rgbgrid") {
     is_supported = read_rgb_grid(p, to_world, medium);
+  } else if (type == "cloud") {
+    is_supported = read_cloud(p, to_world, medium);
   } else {
     for (const Parameter& parameter : p.list()) p.find(parameter.name);
     is_supported = false;
@@ -66,17 +69,18 @@ int Media::find(const std::string& name, const Place& place) const {
   return kNoMedium;
 }
 
-// Coefficients are per unit of length; measured ones and the defaults are those for millimetres.
+// Coefficients are per unit of length; measured ones are those for millimetres. The defaults are those of
+// pbrt-v4 itself, whose documentation names others.
 void Media::read_common(const Parameters& p, MediumDescription& medium) {
   const std::string preset = p.text("preset");
   const MeasuredMedium* measured = find_measured_medium(preset);
   if (!preset.empty() && measured == nullptr)
     report_.warn(
         p.place(), "medium preset",
-        fmt::format("the medium {} is not known; coefficients of whole milk are used", in_quotes(preset)));
-  const MeasuredMedium& milk = *find_measured_medium("Wholemilk");
-  medium.sigma_a = coefficients(colors_.color(p, "sigma_a", SpectrumRole::kUnbounded, milk.sigma_a));
-  medium.sigma_s = coefficients(colors_.color(p, "sigma_s", SpectrumRole::kUnbounded, milk.sigma_s));
+        fmt::format("the medium {} is not known; its sigma_a and sigma_s are used", in_quotes(preset)));
+  const Rgb one = Rgb::gray(1);
+  medium.sigma_a = coefficients(colors_.color(p, "sigma_a", SpectrumRole::kUnbounded, one));
+  medium.sigma_s = coefficients(colors_.color(p, "sigma_s", SpectrumRole::kUnbounded, one));
   if (measured != nullptr) {
     medium.sigma_a = measured->sigma_a, medium.sigma_s = measured->sigma_s;
     for (const char* name : {"sigma_a", "sigma_s"})
@@ -120,6 +124,10 @@ int Media::add_grid(const Parameters& p, std::string_view name, std::uint32_t ch
   if (!std::all_of(grid.values.begin(), grid.values.end(), is_usable))
     p.remark(name, "has values that are negative, infinite or no numbers; they are clamped");
   for (float& value : grid.values) value = coefficient(value);
+  return add_grid(std::move(grid));
+}
+
+int Media::add_grid(VoxelGrid grid) {
   auto& grids = builder_.scene().grids;
   grids.push_back(std::move(grid));
   return static_cast<int>(grids.size()) - 1;
@@ -136,8 +144,6 @@ void Media::place_grid(const Parameters& p, const Matrix& to_world, MediumDescri
 
 bool Media::read_uniform_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium) {
   read_common(p, medium);
-  if (!p.has("sigma_a")) medium.sigma_a = Rgb::gray(1);
-  if (!p.has("sigma_s")) medium.sigma_s = Rgb::gray(1);
   if (p.has("temperature"))
     report_.warn(p.place(), "the temperature of a medium is not supported; it does not glow by it");
   for (const char* known : {"temperaturescale", "temperatureoffset", "temperaturecutoff"}) p.find(known);
@@ -147,6 +153,8 @@ bool Media::read_uniform_grid(const Parameters& p, const Matrix& to_world, Mediu
   if (const Parameter* shares = p.find("Lescale"); shares != nullptr && shares->floats.size() > 1) {
     medium.emission = coefficients(exposure_(colors_.color(p, "Le", SpectrumRole::kIlluminant, {})));
     medium.emission_grid = add_grid(p, "Lescale", 1);
+  } else if (p.has("Le")) {
+    medium.emission_grid = add_grid({.size = {1, 1, 1}, .values = {1}, .border = GridBorder::kZero});
   }
   place_grid(p, to_world, medium);
   return density >= 0;
@@ -161,6 +169,22 @@ bool Media::read_rgb_grid(const Parameters& p, const Matrix& to_world, MediumDes
   if (medium.emission_grid >= 0) medium.emission = coefficients(exposure_(Rgb::gray(1)) * emission_scale(p));
   place_grid(p, to_world, medium);
   return medium.absorption_grid >= 0 || medium.scattering_grid >= 0;
+}
+
+bool Media::read_cloud(const Parameters& p, const Matrix& to_world, MediumDescription& medium) {
+  read_common(p, medium);
+  CloudDensity cloud;
+  cloud.density = p.number_in("density", cloud.density, 0, kMaxCoefficient);
+  cloud.wispiness = p.number_in("wispiness", cloud.wispiness, 0, kMaxCoefficient);
+  cloud.frequency = p.number_in("frequency", cloud.frequency, -kMaxCoefficient, kMaxCoefficient);
+  auto grid = cloud.grid(p.vector("p0", {}), p.vector("p1", {1, 1, 1}));
+  if (!grid) return false;
+  report_.warn(p.place(), "cloud",
+               fmt::format("the density of the medium 'cloud' is computed for a grid of {} x {} x {} voxels",
+                           grid->size[0], grid->size[1], grid->size[2]));
+  medium.absorption_grid = medium.scattering_grid = add_grid(*std::move(grid));
+  place_grid(p, to_world, medium);
+  return true;
 }
 
 }  // namespace tessera::core::pbrt

@@ -34,9 +34,11 @@ class Media {
   float emission_scale(const Parameters& p) const;
   bool read_uniform_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium);
   bool read_rgb_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium);
+  bool read_cloud(const Parameters& p, const Matrix& to_world, MediumDescription& medium);
   // The index of the grid in the scene; -1 if there is no parameter of the name, or not one value for each
   // voxel.
   int add_grid(const Parameters& p, std::string_view name, std::uint32_t channels);
+  int add_grid(VoxelGrid grid);
   void place_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium) const;
 
   SceneBuilder& builder_;

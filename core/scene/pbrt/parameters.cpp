@@ -104,7 +104,7 @@ bool is_value(const Token& token) {
   return token.is(Token::Kind::kWord) || token.is(Token::Kind::kString);
 }
 
-Status parse_values(Tokenizer& tokens, ValueKind kind, Parameter& parameter) {
+Status parse_values(TokenStream& tokens, ValueKind kind, Parameter& parameter) {
   auto token = tokens.next();
   if (!token) return fail(token.error());
   if (is_value(*token)) return add_value(*token, kind, parameter);
@@ -119,7 +119,7 @@ Status parse_values(Tokenizer& tokens, ValueKind kind, Parameter& parameter) {
   return {};
 }
 
-Result<Parameter> parse_parameter(Tokenizer& tokens, const Token& declaration) {
+Result<Parameter> parse_parameter(TokenStream& tokens, const Token& declaration) {
   std::string_view words = declaration.text;
   const std::string_view type = next_word(words), name = next_word(words);
   if (name.empty() || !next_word(words).empty())
@@ -129,7 +129,7 @@ Result<Parameter> parse_parameter(Tokenizer& tokens, const Token& declaration) {
   if (!kind)
     return mistake(fmt::format("the type {} of the parameter {} is not known{}", in_quotes(type),
                                in_quotes(name), suggestion(type, type_names())));
-  Parameter parameter{std::string(type), std::string(name), declaration.line};
+  Parameter parameter{std::string(type), std::string(name), tokens.place()};
   if (auto parsed = parse_values(tokens, *kind, parameter); !parsed) return fail(parsed.error());
   return parameter;
 }
@@ -170,7 +170,7 @@ std::optional<float> parse_number(std::string_view text) {
 Place Parameters::place_of(const Parameter* parameter) const {
   const bool is_own = parameter != nullptr && !list_.empty() && parameter >= list_.data() &&
                       parameter < list_.data() + list_.size();
-  return is_own ? Place{place_.file, parameter->line} : place_;
+  return is_own ? parameter->place : place_;
 }
 
 const Parameter* Parameters::find(std::string_view name) const {
@@ -189,7 +189,7 @@ void Parameters::share_use() {
 void Parameters::remark(std::string_view name, std::string_view kind, std::string text) const {
   const auto is_same = [&](const Remark& known) { return known.name == name && known.text == text; };
   if (std::any_of(remarks_.begin(), remarks_.end(), is_same)) return;
-  remarks_.push_back({std::string(name), place_of(find(name)).line, std::string(kind), std::move(text)});
+  remarks_.push_back({std::string(name), place_of(find(name)), std::string(kind), std::move(text)});
 }
 
 void Parameters::expect_multiple(const Parameter& parameter, std::size_t values, std::size_t of) const {
@@ -243,8 +243,7 @@ std::optional<int> Parameters::integer(std::string_view name) const {
 int Parameters::integer_in(std::string_view name, int otherwise, int min, int max) const {
   const int value = integer(name, otherwise), limited = std::clamp(value, min, max);
   if (limited != value)
-    remark(name, "range",
-           fmt::format("must be from {} to {}, got {}; {} is used", min, max, value, limited));
+    remark(name, "range", fmt::format("must be from {} to {}, got {}; {} is used", min, max, value, limited));
   return limited;
 }
 
@@ -334,7 +333,7 @@ std::vector<const Parameter*> Parameters::unused() const {
   return result;
 }
 
-Result<Parameters> parse_parameters(Tokenizer& tokens, Place place) {
+Result<Parameters> parse_parameters(TokenStream& tokens, Place place) {
   Parameters parameters(std::move(place));
   while (true) {
     const auto token = tokens.peek();

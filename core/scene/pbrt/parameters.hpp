@@ -13,19 +13,13 @@
 
 #include "core/base/error.hpp"
 #include "core/math/vec3.hpp"
-#include "core/scene/pbrt/tokenizer.hpp"
+#include "core/scene/pbrt/token_stream.hpp"
 
 namespace tessera::core::pbrt {
 
-// A line of a file of the scene. `file` is its path in the scene's assets.
-struct Place {
-  std::shared_ptr<const std::string> file;
-  int line = 0;
-};
-
 struct Parameter {
   std::string type, name;
-  int line = 0;
+  Place place{};
   std::vector<float> floats{};  // of all numeric types but integers
   std::vector<std::int32_t> integers{};
   std::vector<std::string> strings{};  // also names of textures and spectra
@@ -88,7 +82,7 @@ class Parameters {
   // kind are counted together.
   struct Remark {
     std::string name;
-    int line = 0;
+    Place place;
     std::string kind, text;
   };
   void remark(std::string_view name, std::string_view kind, std::string text) const;
@@ -109,8 +103,8 @@ class Parameters {
 };
 
 // Reads parameters up to the first token that is not the declaration of one: "type name" and a value, or
-// several in brackets. Errors do not name the line, which is the tokenizer's.
-Result<Parameters> parse_parameters(Tokenizer& tokens, Place place);
+// several in brackets. Errors do not name the place, which is that of `tokens`.
+Result<Parameters> parse_parameters(TokenStream& tokens, Place place);
 
 // A number of a scene file, such as "-1.5e3" or "+.5"; nullopt if it is not one. Infinite ones are the
 // largest finite number; what programs write for a number that is none, such as "-nan(ind)", is NaN.

@@ -9,19 +9,25 @@ namespace tessera::core::pbrt {
 
 void Report::tell(const Parameters& parameters, std::string_view owner) const {
   for (const Parameter* parameter : parameters.unused()) {
-    const std::string text = fmt::format("the parameter {} of {} is not supported; it is ignored",
-                                         in_quotes(parameter->name), owner);
-    warn({parameters.place().file, parameter->line}, text, text);
+    const bool is_repeated = parameters.find(parameter->name) != parameter;
+    const std::string text =
+        fmt::format("the parameter {} of {} {}", in_quotes(parameter->name), owner,
+                    is_repeated ? "is given again; the last one is used" : "is not supported; it is ignored");
+    warn(parameter->place, text, text);
   }
   for (const Parameters::Remark& remark : parameters.remarks()) {
     const std::string subject = fmt::format("the parameter {} of {}", in_quotes(remark.name), owner);
-    warn({parameters.place().file, remark.line}, fmt::format("{} {}", subject, remark.kind),
+    warn(remark.place, fmt::format("{} {}", subject, remark.kind),
          fmt::format("{} {}", subject, remark.text));
   }
 }
 
+std::string Report::shown(const Place& place) const {
+  return fmt::format("{}:{}", builder_.shown(*place.file), place.line);
+}
+
 tl::unexpected<Error> Report::error(const Place& place, std::string_view text) const {
-  return mistake(fmt::format("{}:{}: {}", builder_.shown(*place.file), place.line, text));
+  return mistake(fmt::format("{}: {}", shown(place), text));
 }
 
 }  // namespace tessera::core::pbrt

@@ -32,6 +32,8 @@ class Report {
   // Warns of each parameter that was not read, and of all remarks. `owner` names what they belong to: "the
   // shape 'sphere'".
   void tell(const Parameters& parameters, std::string_view owner) const;
+  // "scene.pbrt:12"
+  std::string shown(const Place& place) const;
   // INVALID_ARGUMENT: "scene.pbrt:12: TEXT".
   tl::unexpected<Error> error(const Place& place, std::string_view text) const;
 

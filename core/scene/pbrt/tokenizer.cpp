@@ -46,7 +46,7 @@ std::string Token::value() const {
 void Tokenizer::skip_blanks() {
   while (at_ < text_.size()) {
     if (text_[at_] == '#') {
-      while (at_ < text_.size() && text_[at_] != '\n') ++at_;
+      while (at_ < text_.size() && text_[at_] != '\n' && text_[at_] != '\r') ++at_;
     } else if (is_blank(text_[at_])) {
       if (text_[at_++] == '\n') ++line_;
     } else {

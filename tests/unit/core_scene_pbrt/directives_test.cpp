@@ -91,6 +91,23 @@ TEST(PbrtDirectives, FilesAreIncluded) {
   expect_near(sphere_of(scene).center, {2, 0, 0});
 }
 
+// As in the smoke plume of pbrt's own scenes, whose density is in a file.
+TEST(PbrtDirectives, ADirectiveGoesOnAfterAnIncludedFile) {
+  const MemoryAssets::Files files = {{"a.pbrt", "\nShape \"sphere\" \"float height\" 2 \"float radius\""}};
+  const SceneDescription scene = pbrt_world("Include \"a.pbrt\" 3\n\"float size\" 1\n", files);
+  EXPECT_EQ(sphere_of(scene).radius, 3);
+  EXPECT_THAT(warnings_of(scene), HasSubstr("a.pbrt:2: the parameter 'height'"));
+  EXPECT_THAT(warnings_of(scene), HasSubstr("scene.pbrt:3: the parameter 'size'"));
+  EXPECT_EQ(pbrt_error("WorldBegin\nImport \"a.pbrt\" 3", files),
+            "a.pbrt:2: the parameter 'radius' has no value");
+}
+
+TEST(PbrtDirectives, CommentsEndWithTheirLine) {
+  const SceneDescription scene =
+      pbrt_world("# old Macintosh\rTranslate 1 0 0 # Windows\r\nShape \"sphere\"\r");
+  expect_near(sphere_of(scene).center, {1, 0, 0});
+}
+
 TEST(PbrtDirectives, ImportedFilesLeaveTheStateAlone) {
   const SceneDescription scene =
       pbrt_world("Import \"a.pbrt\" NamedMaterial \"metal\" Shape \"sphere\"\n",
@@ -157,6 +174,14 @@ const InstanceMotion& only_motion(const SceneDescription& scene) {
 }
 
 // Frame 0 is the time when the shutter opens, and each second has a frame.
+TEST(PbrtDirectives, TheLastOfRepeatedParametersCounts) {
+  const SceneDescription scene = pbrt_world("Shape \"sphere\" \"float radius\" 1\n\"float radius\" 2");
+  EXPECT_EQ(sphere_of(scene).radius, 2);
+  EXPECT_THAT(warnings_of(scene),
+              HasSubstr("the parameter 'radius' of the shape 'sphere' is given again; the "
+                        "last one is used"));
+}
+
 TEST(PbrtDirectives, ActiveTransformMovesAShapeWhileTheShutterIsOpen) {
   const SceneDescription scene = pbrt_scene(
       "Camera \"perspective\" \"float shutteropen\" 1 \"float shutterclose\" 1.5\nTransformTimes 1 2\n"
@@ -213,66 +238,6 @@ TEST(PbrtDirectives, WhatCannotMoveIsTold) {
   EXPECT_TRUE(scene.animation.instances.empty());
   expect_near(sphere_of(scene, 0).center, {});
   EXPECT_EQ(scene.camera.shutter_close, 0);
-}
-
-TEST(PbrtDirectives, MediaLieOnTheSidesOfSurfaces) {
-  const SceneDescription scene = pbrt_world(
-      "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 2 3] \"rgb sigma_s\" [4 5 "
-      "6]\n"
-      "  \"float scale\" 2 \"float g\" 0.5\n"
-      "AttributeBegin MediumInterface \"fog\" \"\" Material \"interface\" Shape \"sphere\" AttributeEnd\n"
-      "Material \"interface\" Shape \"sphere\" Shape \"disk\"\n");
-  ASSERT_EQ(scene.media.size(), 1u);
-  EXPECT_EQ(scene.media[0].sigma_a, (Rgb{1, 2, 3}));
-  EXPECT_EQ(scene.media[0].sigma_s, (Rgb{4, 5, 6}));
-  EXPECT_EQ(scene.media[0].scale, 2);
-  EXPECT_EQ(scene.media[0].g, 0.5f);
-  // An interface between equal media has no effect.
-  ASSERT_EQ(scene.shapes.size(), 1u);
-  const Material& material = scene.materials.at(sphere_of(scene).material);
-  EXPECT_TRUE(std::holds_alternative<Null>(material.model));
-  EXPECT_EQ(material.media, (MediumInterface{0, kNoMedium}));
-}
-
-TEST(PbrtDirectives, MediaHaveMeasuredCoefficients) {
-  const auto medium = [](const std::string& preset) {
-    const SceneDescription scene =
-        pbrt_world("MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"string preset\" \"" + preset +
-                   "\"\nMediumInterface \"m\" \"\" Material \"interface\" Shape \"sphere\"\n");
-    return std::pair(scene.media.at(0), warnings_of(scene));
-  };
-  const auto [coke, nothing] = medium("Coke");
-  EXPECT_EQ(coke.sigma_a, (Rgb{0.10014f, 0.16503f, 0.2468f}));
-  EXPECT_EQ(coke.sigma_s, (Rgb{8.9053e-5f, 8.372e-5f, 0}));
-  EXPECT_THAT(nothing, testing::Not(HasSubstr("medium")));
-  const auto [milk, told] = medium("Tar");
-  EXPECT_EQ(milk.sigma_s, (Rgb{2.55f, 3.21f, 3.77f}));
-  EXPECT_THAT(told, HasSubstr("the medium 'Tar' is not known; coefficients of whole milk are used"));
-}
-
-TEST(PbrtDirectives, GridsOfMediaFillTheirBox) {
-  const SceneDescription scene = pbrt_world(
-      "Translate 1 0 0\n"
-      "MakeNamedMedium \"smoke\" \"string type\" \"uniformgrid\" \"integer nx\" 2 \"integer ny\" 1 \"integer "
-      "nz\" 1\n"
-      "  \"float density\" [0.5 1] \"point3 p0\" [0 0 0] \"point3 p1\" [2 2 2] \"rgb sigma_a\" [1 1 1]\n"
-      "MediumInterface \"smoke\" \"\" Material \"interface\" Shape \"sphere\"\n");
-  ASSERT_EQ(scene.grids.size(), 1u);
-  EXPECT_EQ(scene.grids[0].values, (std::vector<float>{0.5f, 1}));
-  ASSERT_EQ(scene.media.size(), 1u);
-  EXPECT_EQ(scene.media[0].absorption_grid, 0);
-  EXPECT_EQ(scene.media[0].scattering_grid, 0);
-  expect_near(scene.media[0].grid_to_world.point({1, 1, 1}), {3, 2, 2});
-}
-
-TEST(PbrtDirectives, NanoVdbIsRefusedByName) {
-  const SceneDescription scene = pbrt_world(
-      "MakeNamedMedium \"smoke\" \"string type\" \"nanovdb\" \"string filename\" \"smoke.nvdb\"\n" +
-      kPbrtTriangle);
-  EXPECT_THAT(
-      warnings_of(scene),
-      HasSubstr(
-          "scene.pbrt:2: the medium 'smoke' is refused: its NanoVDB grids in 'smoke.nvdb' cannot be read"));
 }
 
 }  // namespace

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// The media of pbrt files.
+#include <gmock/gmock.h>
+
+#include "tests/unit/core_scene_pbrt/pbrt_scene.hpp"
+
+namespace tessera::core::test {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::Each;
+using testing::Ge;
+using testing::Gt;
+using testing::HasSubstr;
+using testing::Le;
+
+TEST(PbrtMedia, MediaLieOnTheSidesOfSurfaces) {
+  const SceneDescription scene = pbrt_world(
+      "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 2 3] \"rgb sigma_s\" [4 5 "
+      "6]\n"
+      "  \"float scale\" 2 \"float g\" 0.5\n"
+      "AttributeBegin MediumInterface \"fog\" \"\" Material \"interface\" Shape \"sphere\" AttributeEnd\n"
+      "Material \"interface\" Shape \"sphere\" Shape \"disk\"\n");
+  ASSERT_EQ(scene.media.size(), 1u);
+  EXPECT_EQ(scene.media[0].sigma_a, (Rgb{1, 2, 3}));
+  EXPECT_EQ(scene.media[0].sigma_s, (Rgb{4, 5, 6}));
+  EXPECT_EQ(scene.media[0].scale, 2);
+  EXPECT_EQ(scene.media[0].g, 0.5f);
+  // An interface between equal media has no effect.
+  ASSERT_EQ(scene.shapes.size(), 1u);
+  const Material& material = scene.materials.at(sphere_of(scene).material);
+  EXPECT_TRUE(std::holds_alternative<Null>(material.model));
+  EXPECT_EQ(material.media, (MediumInterface{0, kNoMedium}));
+}
+
+TEST(PbrtMedia, MediaHaveMeasuredCoefficients) {
+  const auto medium = [](const std::string& preset) {
+    const SceneDescription scene =
+        pbrt_world("MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"string preset\" \"" + preset +
+                   "\"\nMediumInterface \"m\" \"\" Material \"interface\" Shape \"sphere\"\n");
+    return std::pair(scene.media.at(0), warnings_of(scene));
+  };
+  const auto [coke, nothing] = medium("Coke");
+  EXPECT_EQ(coke.sigma_a, (Rgb{0.10014f, 0.16503f, 0.2468f}));
+  EXPECT_EQ(coke.sigma_s, (Rgb{8.9053e-5f, 8.372e-5f, 0}));
+  EXPECT_THAT(nothing, testing::Not(HasSubstr("medium")));
+  const auto [tar, told] = medium("Tar");
+  EXPECT_EQ(tar.sigma_s, Rgb::gray(1));
+  EXPECT_THAT(told, HasSubstr("the medium 'Tar' is not known; its sigma_a and sigma_s are used"));
+}
+
+TEST(PbrtMedia, GridsOfMediaFillTheirBox) {
+  const SceneDescription scene = pbrt_world(
+      "Translate 1 0 0\n"
+      "MakeNamedMedium \"smoke\" \"string type\" \"uniformgrid\" \"integer nx\" 2 \"integer ny\" 1 \"integer "
+      "nz\" 1\n"
+      "  \"float density\" [0.5 1] \"point3 p0\" [0 0 0] \"point3 p1\" [2 2 2] \"rgb sigma_a\" [1 1 1]\n"
+      "MediumInterface \"smoke\" \"\" Material \"interface\" Shape \"sphere\"\n");
+  ASSERT_EQ(scene.grids.size(), 1u);
+  EXPECT_EQ(scene.grids[0].values, (std::vector<float>{0.5f, 1}));
+  ASSERT_EQ(scene.media.size(), 1u);
+  EXPECT_EQ(scene.media[0].absorption_grid, 0);
+  EXPECT_EQ(scene.media[0].scattering_grid, 0);
+  EXPECT_LT(length(scene.media[0].grid_to_world.point({1, 1, 1}) - Vec3{3, 2, 2}), 1e-5f);
+}
+
+// A single value is interpolated with the 0 around the box.
+TEST(PbrtMedia, EmissionOfAGridWithoutSharesFallsOffTowardsItsFaces) {
+  const SceneDescription scene = pbrt_world(
+      "MakeNamedMedium \"fire\" \"string type\" \"uniformgrid\" \"float density\" 1 \"rgb Le\" [1 1 1]\n"
+      "MediumInterface \"fire\" \"\" Material \"interface\" Shape \"sphere\"\n");
+  ASSERT_EQ(scene.media.at(0).emission_grid, 1);
+  EXPECT_EQ(value_at(scene.grids.at(1), {0.5f, 0.5f, 0.5f}), Rgb::gray(1));
+  EXPECT_EQ(value_at(scene.grids.at(1), {0, 0.5f, 0.5f}), Rgb::gray(0.5f));
+}
+
+// Pharr et al. 2023, section 11.4.6: full below the height 0.5, nothing at 1, noise between.
+TEST(PbrtMedia, CloudsAreGrids) {
+  const SceneDescription scene = pbrt_world(
+      "MakeNamedMedium \"cloud\" \"string type\" \"cloud\" \"float density\" 2\n"
+      "  \"point3 p0\" [-1 0.25 -0.02] \"point3 p1\" [1 1 0.02]\n"
+      "MediumInterface \"cloud\" \"\" Material \"interface\" Shape \"sphere\"\n");
+  ASSERT_EQ(scene.grids.size(), 1u);
+  const VoxelGrid& grid = scene.grids[0];
+  EXPECT_EQ(grid.size, (std::array<std::uint32_t, 3>{128, 48, 3}));
+  EXPECT_TRUE(is_sound(grid));
+  // At the heights 0.258 and 0.992.
+  const auto layer = [&](std::size_t y) {
+    std::vector<float> values;
+    for (std::size_t z = 0; z < 3; ++z)
+      for (std::size_t x = 0; x < 128; ++x) values.push_back(grid.values[(z * 48 + y) * 128 + x]);
+    return values;
+  };
+  EXPECT_THAT(layer(0), Each(AllOf(Ge(0.48f), Le(1.0f))));
+  EXPECT_THAT(layer(47), Each(AllOf(Ge(0.0f), Le(0.05f))));
+  EXPECT_THAT(layer(24), Contains(0.0f));
+  EXPECT_THAT(layer(24), Contains(Gt(0.5f)));
+  EXPECT_EQ(scene.media.at(0).scattering_grid, 0);
+  EXPECT_THAT(warnings_of(scene), HasSubstr("a grid of 128 x 48 x 3 voxels"));
+}
+
+TEST(PbrtMedia, NanoVdbIsRefusedByName) {
+  const SceneDescription scene = pbrt_world(
+      "MakeNamedMedium \"smoke\" \"string type\" \"nanovdb\" \"string filename\" \"smoke.nvdb\"\n" +
+      kPbrtTriangle);
+  EXPECT_THAT(
+      warnings_of(scene),
+      HasSubstr(
+          "scene.pbrt:2: the medium 'smoke' is refused: its NanoVDB grids in 'smoke.nvdb' cannot be read"));
+}
+
+}  // namespace
+}  // namespace tessera::core::test
