@@ -11,6 +11,8 @@
 #include <memory>
 #include <optional>
 
+#include "core/scene/loader/bytes_at.hpp"
+
 namespace tessera::core::mitsuba {
 namespace {
 
@@ -18,17 +20,6 @@ constexpr std::uint16_t kMagic = 0x041c, kVersion3 = 3, kVersion4 = 4;
 constexpr std::uint32_t kHasNormals = 0x0001, kHasUvs = 0x0002, kHasColors = 0x0008, kFaceNormals = 0x0010;
 constexpr std::uint32_t kDoubles = 0x2000;
 constexpr std::size_t kHeaderBytes = 4, kMaxRatio = 256;
-
-static_assert(std::endian::native == std::endian::little, "the file's byte order");
-
-// A value at an offset; nullopt beyond the end.
-template <typename T>
-std::optional<T> value_at(std::string_view bytes, std::size_t offset) {
-  if (offset > bytes.size() || bytes.size() - offset < sizeof(T)) return std::nullopt;
-  T value{};
-  std::memcpy(&value, bytes.data() + offset, sizeof(T));
-  return value;
-}
 
 tl::unexpected<Error> broken_file(std::string_view what) {
   return fail(ErrorCode::kInvalidArgument, fmt::format("is a broken serialized mesh: {}", what));
@@ -38,7 +29,7 @@ tl::unexpected<Error> broken_file(std::string_view what) {
 Result<std::size_t> offset_of(std::string_view bytes, std::int64_t index, std::uint16_t version) {
   if (index == 0) return std::size_t{0};
   const std::size_t entry = version == kVersion4 ? sizeof(std::uint64_t) : sizeof(std::uint32_t);
-  const auto count = value_at<std::uint32_t>(bytes, bytes.size() - sizeof(std::uint32_t));
+  const auto count = bytes_at<std::uint32_t>(bytes, bytes.size() - sizeof(std::uint32_t));
   if (!count || index < 0 || index >= std::int64_t{*count})
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("has no mesh number {}, but {}", index, count.value_or(0)));
@@ -46,8 +37,8 @@ Result<std::size_t> offset_of(std::string_view bytes, std::int64_t index, std::u
   if (table_bytes > bytes.size()) return broken_file("its table of meshes is longer than the file");
   const std::size_t place = bytes.size() - table_bytes + entry * static_cast<std::size_t>(index);
   const std::size_t offset = version == kVersion4
-                                 ? std::size_t{value_at<std::uint64_t>(bytes, place).value_or(0)}
-                                 : value_at<std::uint32_t>(bytes, place).value_or(0);
+                                 ? std::size_t{bytes_at<std::uint64_t>(bytes, place).value_or(0)}
+                                 : bytes_at<std::uint32_t>(bytes, place).value_or(0);
   if (offset >= bytes.size()) return broken_file("a mesh begins beyond its end");
   return offset;
 }
@@ -81,7 +72,7 @@ class MeshData {
 
   template <typename T>
   std::optional<T> next() {
-    const auto value = value_at<T>(rest_, 0);
+    const auto value = bytes_at<T>(rest_, 0);
     if (value) rest_.remove_prefix(sizeof(T));
     return value;
   }
@@ -152,7 +143,7 @@ MeshDescription read_mesh(MeshData& data, const MeshHeader& header) {
 
 Result<SerializedMesh> read_serialized_mesh(std::string_view bytes, std::int64_t index,
                                             const SceneLimit& triangles) {
-  const auto magic = value_at<std::uint16_t>(bytes, 0), version = value_at<std::uint16_t>(bytes, 2);
+  const auto magic = bytes_at<std::uint16_t>(bytes, 0), version = bytes_at<std::uint16_t>(bytes, 2);
   if (magic != kMagic) return fail(ErrorCode::kInvalidArgument, "is no serialized mesh");
   if (version != kVersion3 && version != kVersion4)
     return fail(ErrorCode::kInvalidArgument, "is a serialized mesh of an unknown version");

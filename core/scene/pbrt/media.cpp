@@ -10,6 +10,7 @@
 #include "core/scene/loader/wording.hpp"
 #include "core/scene/pbrt/cloud_density.hpp"
 #include "core/scene/pbrt/measured_media.hpp"
+#include "core/scene/pbrt/temperature.hpp"
 
 namespace tessera::core::pbrt {
 namespace {
@@ -40,6 +41,8 @@ bool Media::define(const std::string& name, const Parameters& p, const Matrix& t
     is_supported = read_rgb_grid(p, to_world, medium);
   } else if (type == "cloud") {
     is_supported = read_cloud(p, to_world, medium);
+  } else if (type == "nanovdb") {
+    is_supported = read_nanovdb(p, to_world, medium);
   } else {
     for (const Parameter& parameter : p.list()) p.find(parameter.name);
     is_supported = false;
@@ -47,11 +50,8 @@ bool Media::define(const std::string& name, const Parameters& p, const Matrix& t
   if (!is_supported) {
     report_.warn(
         p.place(), "medium " + type,
-        type == "nanovdb"
-            ? fmt::format("the medium {} is refused: its NanoVDB grids in {} cannot be read; it is left out",
-                          in_quotes(name), in_quotes(p.text("filename")))
-            : fmt::format("the medium {} of the type {} is not supported, or has no values; it is left out",
-                          in_quotes(name), in_quotes(type)));
+        fmt::format("the medium {} of the type {} is not supported, or has no values; it is left out",
+                    in_quotes(name), in_quotes(type)));
     return names_.insert_or_assign(name, kNoMedium).second;
   }
   report_.tell(p, fmt::format("the medium '{}'", type));
@@ -99,13 +99,14 @@ void Media::read_scale(const Parameters& p, MediumDescription& medium) const {
 
 // Several values are a grid.
 float Media::emission_scale(const Parameters& p) const {
-  const Parameter* given = p.find("Lescale");
-  return given != nullptr && given->size() > 1 ? 1 : p.number_in("Lescale", 1, 0, kMaxCoefficient);
+  const char* name = p.has("LeScale") ? "LeScale" : "Lescale";
+  const Parameter* given = p.find(name);
+  return given != nullptr && given->size() > 1 ? 1 : p.number_in(name, 1, 0, kMaxCoefficient);
 }
 
-int Media::add_grid(const Parameters& p, std::string_view name, std::uint32_t channels) {
+std::optional<VoxelGrid> Media::grid_of(const Parameters& p, std::string_view name, std::uint32_t channels) {
   const Parameter* given = p.find(name);
-  if (given == nullptr) return -1;
+  if (given == nullptr) return std::nullopt;
   VoxelGrid grid;
   const auto side = [&](std::string_view key) {
     return static_cast<std::uint32_t>(p.integer_in(key, 1, 1, static_cast<int>(kMaxGridSide)));
@@ -118,18 +119,32 @@ int Media::add_grid(const Parameters& p, std::string_view name, std::uint32_t ch
     report_.warn(
         p.place_of(given),
         fmt::format("the grid {} does not have one value for each voxel; it is ignored", in_quotes(name)));
-    return -1;
+    return std::nullopt;
   }
   const auto is_usable = [](float value) { return value == coefficient(value); };
   if (!std::all_of(grid.values.begin(), grid.values.end(), is_usable))
     p.remark(name, "has values that are negative, infinite or no numbers; they are clamped");
   for (float& value : grid.values) value = coefficient(value);
-  return add_grid(std::move(grid));
+  return grid;
 }
 
-int Media::add_grid(VoxelGrid grid) {
+bool Media::may_compute(std::uint64_t values, const Place& place) {
+  constexpr std::uint64_t kMaxComputedValues = 1u << 26;
+  if (computed_values_ + values > kMaxComputedValues) {
+    report_.warn(place,
+                 fmt::format("clouds and NanoVDB files have more than {} values together; further ones "
+                             "are left out",
+                             kMaxComputedValues));
+    return false;
+  }
+  computed_values_ += values;
+  return true;
+}
+
+int Media::add_grid(std::optional<VoxelGrid> grid) {
+  if (!grid) return -1;
   auto& grids = builder_.scene().grids;
-  grids.push_back(std::move(grid));
+  grids.push_back(*std::move(grid));
   return static_cast<int>(grids.size()) - 1;
 }
 
@@ -144,28 +159,40 @@ void Media::place_grid(const Parameters& p, const Matrix& to_world, MediumDescri
 
 bool Media::read_uniform_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium) {
   read_common(p, medium);
-  if (p.has("temperature"))
-    report_.warn(p.place(), "the temperature of a medium is not supported; it does not glow by it");
-  for (const char* known : {"temperaturescale", "temperatureoffset", "temperaturecutoff"}) p.find(known);
-  const int density = add_grid(p, "density", 1);
+  const int density = add_grid(grid_of(p, "density", 1));
   medium.absorption_grid = medium.scattering_grid = density;
   // A single "Lescale" is a factor, several are a grid.
-  if (const Parameter* shares = p.find("Lescale"); shares != nullptr && shares->floats.size() > 1) {
+  const Parameter* given = p.find("Lescale");
+  auto shares = given != nullptr && given->floats.size() > 1 ? grid_of(p, "Lescale", 1) : std::nullopt;
+  if (const auto temperatures = grid_of(p, "temperature", 1)) {
+    set_temperatures(p, *temperatures, shares, medium);
+  } else if (shares) {
     medium.emission = coefficients(exposure_(colors_.color(p, "Le", SpectrumRole::kIlluminant, {})));
-    medium.emission_grid = add_grid(p, "Lescale", 1);
+    medium.emission_grid = add_grid(std::move(shares));
   } else if (p.has("Le")) {
-    medium.emission_grid = add_grid({.size = {1, 1, 1}, .values = {1}, .border = GridBorder::kZero});
+    medium.emission_grid = add_grid(VoxelGrid{.size = {1, 1, 1}, .values = {1}, .border = GridBorder::kZero});
   }
   place_grid(p, to_world, medium);
   return density >= 0;
 }
 
+void Media::set_temperatures(const Parameters& p, const VoxelGrid& temperatures,
+                             const std::optional<VoxelGrid>& shares, MediumDescription& medium) {
+  TemperatureUnits units;
+  units.offset = p.number("temperatureoffset", p.number("temperaturecutoff", units.offset));
+  units.scale = p.number("temperaturescale", units.scale);
+  VoxelGrid colors = black_bodies(temperatures, units);
+  for (std::size_t i = 0; shares && i < colors.values.size(); ++i) colors.values[i] *= shares->values[i / 3];
+  medium.emission = coefficients(exposure_(Rgb::gray(emission_scale(p))));
+  medium.emission_grid = add_grid(std::move(colors));
+}
+
 bool Media::read_rgb_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium) {
   medium.sigma_a = medium.sigma_s = Rgb::gray(1);
   read_scale(p, medium);
-  medium.absorption_grid = add_grid(p, "sigma_a", 3);
-  medium.scattering_grid = add_grid(p, "sigma_s", 3);
-  medium.emission_grid = add_grid(p, "Le", 3);
+  medium.absorption_grid = add_grid(grid_of(p, "sigma_a", 3));
+  medium.scattering_grid = add_grid(grid_of(p, "sigma_s", 3));
+  medium.emission_grid = add_grid(grid_of(p, "Le", 3));
   if (medium.emission_grid >= 0) medium.emission = coefficients(exposure_(Rgb::gray(1)) * emission_scale(p));
   place_grid(p, to_world, medium);
   return medium.absorption_grid >= 0 || medium.scattering_grid >= 0;
@@ -178,7 +205,7 @@ bool Media::read_cloud(const Parameters& p, const Matrix& to_world, MediumDescri
   cloud.wispiness = p.number_in("wispiness", cloud.wispiness, 0, kMaxCoefficient);
   cloud.frequency = p.number_in("frequency", cloud.frequency, -kMaxCoefficient, kMaxCoefficient);
   auto grid = cloud.grid(p.vector("p0", {}), p.vector("p1", {1, 1, 1}));
-  if (!grid) return false;
+  if (!grid || !may_compute(grid->values.size(), p.place())) return false;
   report_.warn(p.place(), "cloud",
                fmt::format("the density of the medium 'cloud' is computed for a grid of {} x {} x {} voxels",
                            grid->size[0], grid->size[1], grid->size[2]));

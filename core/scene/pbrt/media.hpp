@@ -35,10 +35,16 @@ class Media {
   bool read_uniform_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium);
   bool read_rgb_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium);
   bool read_cloud(const Parameters& p, const Matrix& to_world, MediumDescription& medium);
-  // The index of the grid in the scene; -1 if there is no parameter of the name, or not one value for each
-  // voxel.
-  int add_grid(const Parameters& p, std::string_view name, std::uint32_t channels);
-  int add_grid(VoxelGrid grid);
+  bool read_nanovdb(const Parameters& p, const Matrix& to_world, MediumDescription& medium);
+  // Light by temperatures, times `shares` at each voxel if they are given.
+  void set_temperatures(const Parameters& p, const VoxelGrid& temperatures,
+                        const std::optional<VoxelGrid>& shares, MediumDescription& medium);
+  // nullopt if there is no parameter of the name, or not one value for each voxel.
+  std::optional<VoxelGrid> grid_of(const Parameters& p, std::string_view name, std::uint32_t channels);
+  // The index of the grid in the scene; -1 for none.
+  int add_grid(std::optional<VoxelGrid> grid);
+  // Whether a grid that takes little of a file may have so many values; else it is told.
+  bool may_compute(std::uint64_t values, const Place& place);
   void place_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium) const;
 
   SceneBuilder& builder_;
@@ -46,6 +52,7 @@ class Media {
   Colors& colors_;
   Exposure exposure_;
   std::map<std::string, int> names_;
+  std::uint64_t computed_values_ = 0;
 };
 
 }  // namespace tessera::core::pbrt

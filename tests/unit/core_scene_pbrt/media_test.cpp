@@ -2,6 +2,9 @@
 // The media of pbrt files.
 #include <gmock/gmock.h>
 
+#include <span>
+
+#include "tests/support/nanovdb_bytes.hpp"
 #include "tests/unit/core_scene_pbrt/pbrt_scene.hpp"
 
 namespace tessera::core::test {
@@ -100,14 +103,54 @@ TEST(PbrtMedia, CloudsAreGrids) {
   EXPECT_THAT(warnings_of(scene), HasSubstr("a grid of 128 x 48 x 3 voxels"));
 }
 
-TEST(PbrtMedia, NanoVdbIsRefusedByName) {
+TEST(PbrtMedia, NanoVdbFilesAreGrids) {
+  const std::string grid = NanoVdbGridBytes().bytes;
+  const std::string file = nanovdb_file("density", grid, grid.size());
   const SceneDescription scene = pbrt_world(
-      "MakeNamedMedium \"smoke\" \"string type\" \"nanovdb\" \"string filename\" \"smoke.nvdb\"\n" +
-      kPbrtTriangle);
-  EXPECT_THAT(
-      warnings_of(scene),
-      HasSubstr(
-          "scene.pbrt:2: the medium 'smoke' is refused: its NanoVDB grids in 'smoke.nvdb' cannot be read"));
+      "Translate 10 0 0 MakeNamedMedium \"smoke\" \"string type\" \"nanovdb\" \"string filename\" "
+      "\"a.nvdb\"\n"
+      "  \"rgb sigma_s\" [2 2 2] \"float LeScale\" 3 \"float temperaturescale\" 3\n"
+      "MediumInterface \"smoke\" \"\" Material \"interface\" Shape \"sphere\"\n",
+      {{"a.nvdb", file + nanovdb_file("temperature", grid, grid.size())}});
+  ASSERT_EQ(scene.grids.size(), 2u);
+  const MediumDescription& smoke = scene.media.at(0);
+  EXPECT_EQ(smoke.sigma_s, Rgb::gray(2));
+  EXPECT_EQ(smoke.sigma_a, Rgb::gray(1));
+  EXPECT_LT(length(smoke.grid_to_world.point({1, 1, 1}) - Vec3{14.75f, 5.75f, 6.75f}), 1e-5f);
+  EXPECT_EQ(smoke.emission, Rgb::gray(3));
+  const VoxelGrid& light = scene.grids.at(static_cast<std::size_t>(smoke.emission_grid));
+  EXPECT_EQ(light.channels, 3u);
+  EXPECT_EQ(light.values[0], 0);
+  EXPECT_GT(light.values[3 * 511], light.values[3 * 511 + 1]);
+  EXPECT_GT(light.values[3 * 511 + 1], 0.01f);
+  EXPECT_THAT(scene.warnings, testing::IsEmpty());
+}
+
+TEST(PbrtMedia, NanoVdbFilesThatCannotBeReadAreTold) {
+  const auto told = [](const MemoryAssets::Files& files) {
+    return warnings_of(
+        pbrt_world("MakeNamedMedium \"smoke\" \"string type\" \"nanovdb\" \"string filename\" "
+                   "\"a.nvdb\"\n" +
+                       kPbrtTriangle,
+                   files));
+  };
+  EXPECT_THAT(told({}), HasSubstr("scene.pbrt:2: the file 'a.nvdb' does not exist"));
+  EXPECT_THAT(told({{"a.nvdb", "NanoVDB"}}), HasSubstr("the file 'a.nvdb' is a broken NanoVDB file"));
+  EXPECT_THAT(told({{"a.nvdb", nanovdb_file("heat", "", 0)}}), HasSubstr("has no grid 'density'"));
+}
+
+// The colour of a black body at 6500 K is nearly white, and it is brightest at a visible wavelength.
+TEST(PbrtMedia, TemperaturesGlow) {
+  const SceneDescription scene = pbrt_world(
+      "MakeNamedMedium \"fire\" \"string type\" \"uniformgrid\" \"integer nx\" 3 \"float density\" [1 1 1]\n"
+      "  \"float temperature\" [1000 3500 50] \"float temperaturescale\" 2 \"float temperatureoffset\" 250\n"
+      "MediumInterface \"fire\" \"\" Material \"interface\" Shape \"sphere\"\n");
+  const MediumDescription& fire = scene.media.at(0);
+  const VoxelGrid& light = scene.grids.at(static_cast<std::size_t>(fire.emission_grid));
+  ASSERT_EQ(light.values.size(), 9u);
+  EXPECT_LT(light.values[0], 0.05f);
+  for (std::size_t channel = 3; channel < 6; ++channel) EXPECT_NEAR(light.values[channel], 0.95f, 0.1f);
+  EXPECT_THAT(std::span(light.values).last(3), Each(0.0f));
 }
 
 }  // namespace
