@@ -14,8 +14,6 @@
 namespace tessera::core::pbrt {
 namespace {
 
-constexpr float kUnbounded = 1e30f;
-
 // The imaginary index with which a metal of real index 1 reflects `reflectance` at normal incidence.
 float index_for_reflectance(float reflectance) {
   const float r = std::clamp(reflectance, 0.0f, 0.9999f);
@@ -374,7 +372,7 @@ Materials::Model Materials::hair(const Parameters& p) {
 Status Materials::add_relief(const Parameters& p, Material& material) {
   const char* name = p.has("displacement") ? "displacement" : "bumpmap";
   if (const TexturePtr height = textures_.number(p, name); height && constant_of(height) == nullptr) {
-    auto texture = baker_.scalar(height, kUnbounded, p.place_of(p.find(name)));
+    auto texture = baker_.height(height, p.place_of(p.find(name)));
     if (!texture) return fail(texture.error());
     material.bump = {texture->texture, texture->value};
   }

@@ -14,12 +14,13 @@
 namespace tessera::core::pbrt {
 namespace {
 
-// A colour as patterns may have it.
-Rgb pattern_constant(Rgb color) {
-  const auto in_range = [](float c) {
-    return std::isfinite(c) ? std::clamp(c, -kMaxPatternValue, kMaxPatternValue) : 0.0f;
-  };
-  return {in_range(color.r), in_range(color.g), in_range(color.b)};
+constexpr ValueRange kPatternRange{-kMaxPatternValue, kMaxPatternValue};
+
+float clamped(float value, const ValueRange& range) {
+  return std::isfinite(value) ? std::clamp(value, range.min, range.max) : 0.0f;
+}
+Rgb clamped(Rgb color, const ValueRange& range) {
+  return {clamped(color.r, range), clamped(color.g, range), clamped(color.b, range)};
 }
 
 constexpr int kMaxBakedSide = 4096, kMaxCellTexels = 64, kMaxPeriods = 32;
@@ -146,7 +147,14 @@ Domain domain_of(const Needs& needs) {
   return domain;
 }
 
-TextureImage evaluated(const TextureNode& texture, const Domain& domain, float limit) {
+// Images have no negative values: the least one becomes 0.
+void raise_to_0(std::vector<float>& values) {
+  const float least = *std::min_element(values.begin(), values.end());
+  if (least < 0)
+    for (float& value : values) value -= least;
+}
+
+TextureImage evaluated(const TextureNode& texture, const Domain& domain, const ValueRange& range) {
   std::vector<float> values;
   values.reserve(static_cast<std::size_t>(domain.width) * static_cast<std::size_t>(domain.height) * 3);
   for (int row = 0; row < domain.height; ++row)
@@ -155,9 +163,9 @@ TextureImage evaluated(const TextureNode& texture, const Domain& domain, float l
       const float t = 1 - (static_cast<float>(row) + 0.5f) / static_cast<float>(domain.height);
       const Rgb c =
           evaluate(texture, {domain.origin.x + domain.size.x * s, domain.origin.y + domain.size.y * t});
-      for (int channel = 0; channel < 3; ++channel)
-        values.push_back(std::isfinite(c[channel]) ? std::clamp(c[channel], 0.0f, limit) : 0.0f);
+      for (int channel = 0; channel < 3; ++channel) values.push_back(clamped(c[channel], range));
     }
+  raise_to_0(values);
   return TextureImage(domain.width, domain.height, std::move(values));
 }
 
@@ -176,7 +184,7 @@ struct PlainImage {
   Rgb factor;
 };
 
-std::optional<PlainImage> plain_image(const TextureNode& texture, float limit) {
+std::optional<PlainImage> plain_image(const TextureNode& texture, const ValueRange& range) {
   Rgb factor = Rgb::gray(1);
   const TextureNode* inner = &texture;
   if (const auto* affine = std::get_if<AffineNode>(&texture.node);
@@ -186,18 +194,24 @@ std::optional<PlainImage> plain_image(const TextureNode& texture, float limit) {
   }
   const auto* image = std::get_if<ImageNode>(&inner->node);
   if (image == nullptr || image->black_outside) return std::nullopt;
-  const Rgb largest = image->image->largest() * factor;
-  const bool is_in_range = factor.r >= 0 && factor.g >= 0 && factor.b >= 0 && max_component(largest) <= limit;
-  return is_in_range ? std::optional(PlainImage{image, factor}) : std::nullopt;
+  const Rgb farthest = image->image->largest() * factor;  // from 0, on either side
+  const bool has_sign = range.min < 0 || (factor.r >= 0 && factor.g >= 0 && factor.b >= 0);
+  return has_sign && clamped(farthest, range) == farthest ? std::optional(PlainImage{image, factor})
+                                                          : std::nullopt;
 }
 
 }  // namespace
 
 Result<ColorParameter> TextureBaker::color(const TexturePtr& texture, float limit, const Place& place) {
-  const std::pair key(texture.get(), limit);
+  return converted(texture, {0, limit}, place);
+}
+
+Result<ColorParameter> TextureBaker::converted(const TexturePtr& texture, const ValueRange& range,
+                                               const Place& place) {
+  const std::pair key(texture.get(), range);
   const auto known = converted_.find(key);
   if (known != converted_.end()) return known->second.parameter;
-  auto parameter = convert(texture, limit, place);
+  auto parameter = convert(texture, range, place);
   if (parameter) converted_.emplace(key, Converted{texture, *parameter});
   return parameter;
 }
@@ -208,18 +222,23 @@ Result<ScalarParameter> TextureBaker::scalar(const TexturePtr& texture, float li
   return ScalarParameter(parameter->value.r, parameter->texture);
 }
 
-Result<ColorParameter> TextureBaker::convert(const TexturePtr& texture, float limit, const Place& place) {
-  if (const Rgb* constant = constant_of(texture)) {
-    const auto in_range = [limit](float c) { return std::isfinite(c) ? std::clamp(c, 0.0f, limit) : 0.0f; };
-    return ColorParameter{{in_range(constant->r), in_range(constant->g), in_range(constant->b)}, -1};
-  }
-  if (const auto plain = plain_image(*texture, limit)) {
+Result<ScalarParameter> TextureBaker::height(const TexturePtr& texture, const Place& place) {
+  constexpr float kMaxHeight = 1e30f;
+  const auto parameter = converted(texture, {-kMaxHeight, kMaxHeight}, place);
+  if (!parameter) return fail(parameter.error());
+  return ScalarParameter(parameter->value.r, parameter->texture);
+}
+
+Result<ColorParameter> TextureBaker::convert(const TexturePtr& texture, const ValueRange& range,
+                                             const Place& place) {
+  if (const Rgb* constant = constant_of(texture)) return ColorParameter{clamped(*constant, range), -1};
+  if (const auto plain = plain_image(*texture, range)) {
     const auto& [image, factor] = *plain;
     Texture made = placed(image->image, image->wrap, image->mapping);
     made.filter = image->filter;
     return ColorParameter{factor, builder_.add_texture(made)};
   }
-  return texture->has_patterns ? procedural(*texture, limit, place) : bake(texture, limit, place);
+  return texture->has_patterns ? procedural(*texture, range.max, place) : bake(texture, range, place);
 }
 
 Result<ColorParameter> TextureBaker::procedural(const TextureNode& texture, float max, const Place& place) {
@@ -229,9 +248,12 @@ Result<ColorParameter> TextureBaker::procedural(const TextureNode& texture, floa
   return ColorParameter{Rgb::gray(1), builder_.add_texture({.image = nullptr, .procedural = *pattern})};
 }
 
-// An input of a pattern, which may be of any sign.
+// An input of a pattern, which may be of any sign. The values of images are not negative.
 Result<ColorParameter> TextureBaker::input(const TexturePtr& texture, const Place& place) {
-  if (const Rgb* constant = constant_of(texture)) return ColorParameter{pattern_constant(*constant), -1};
+  if (const Rgb* constant = constant_of(texture))
+    return ColorParameter{clamped(*constant, kPatternRange), -1};
+  const bool is_ramp = std::holds_alternative<BilinearNode>(texture->node);
+  if (may_be_negative(*texture) && !is_ramp) return procedural(*texture, kMaxPatternValue, place);
   return color(texture, kMaxPatternValue, place);
 }
 
@@ -276,7 +298,7 @@ Result<ProceduralTexture> TextureBaker::pattern_of(const TextureNode& texture, c
                  },
                  [&](const AffineNode& n) {
                    assert(is_black(n.offset));
-                   made.pattern = ProductPattern{inputs[0], {pattern_constant(n.scale), -1}};
+                   made.pattern = ProductPattern{inputs[0], {clamped(n.scale, kPatternRange), -1}};
                  },
                  [&](const PowerNode& n) {
                    made.pattern = PowerPattern{inputs[0], n.exponent};
@@ -290,7 +312,8 @@ Result<ProceduralTexture> TextureBaker::pattern_of(const TextureNode& texture, c
   return made;
 }
 
-Result<ColorParameter> TextureBaker::bake(const TexturePtr& texture, float limit, const Place& place) {
+Result<ColorParameter> TextureBaker::bake(const TexturePtr& texture, const ValueRange& range,
+                                          const Place& place) {
   Needs needs;
   collect(*texture, needs);
   const Domain domain = domain_of(needs);
@@ -298,7 +321,7 @@ Result<ColorParameter> TextureBaker::bake(const TexturePtr& texture, float limit
     report_.warn(place, "a texture combines images that repeat differently; their seams are in other places");
   auto image =
       builder_.image_pixels(fmt::format("texture {}", converted_.size() + 1), {domain.width, domain.height},
-                            [&] { return evaluated(*texture, domain, limit); });
+                            [&] { return evaluated(*texture, domain, range); });
   if (!image) return fail(image.error());
   const UvMapping mapping{{1 / domain.size.x, 1 / domain.size.y},
                           {-domain.origin.x / domain.size.x, -domain.origin.y / domain.size.y}};

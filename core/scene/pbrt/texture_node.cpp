@@ -14,10 +14,6 @@ Rgb lerp(Rgb a, Rgb b, Rgb t) {
   return a * (Rgb::gray(1) - t) + b * t;
 }
 
-Rgb at_least_0(Rgb c) {
-  return {std::max(c.r, 0.0f), std::max(c.g, 0.0f), std::max(c.b, 0.0f)};
-}
-
 float power(float base, float exponent) {
   return static_cast<float>(pow(static_cast<double>(std::max(base, 0.0f)), static_cast<double>(exponent)));
 }
@@ -40,7 +36,11 @@ bool is_second(Vec2 st) {
 
 Rgb bilinear_at(const BilinearNode& n, Vec2 st) {
   const Rgb s = Rgb::gray(st.x), t = Rgb::gray(st.y);
-  return at_least_0(lerp(lerp(n.v00, n.v10, s), lerp(n.v01, n.v11, s), t));
+  return lerp(lerp(n.v00, n.v10, s), lerp(n.v01, n.v11, s), t);
+}
+
+bool is_negative(Rgb c) {
+  return c.r < 0 || c.g < 0 || c.b < 0;
 }
 
 float not_0(float scale) {
@@ -84,21 +84,42 @@ const Rgb* constant_of(const TexturePtr& texture) {
   return constant == nullptr ? nullptr : &constant->value;
 }
 
+bool may_be_negative(const TextureNode& texture) {
+  if (std::holds_alternative<ChannelNode>(texture.node) || std::holds_alternative<PowerNode>(texture.node))
+    return false;
+  bool found = std::visit(
+      Overloaded{
+          [](const ConstantNode& n) { return is_negative(n.value); },
+          [](const AffineNode& n) { return is_negative(n.scale) || is_negative(n.offset); },
+          [](const BilinearNode& n) {
+            return is_negative(n.v00) || is_negative(n.v01) || is_negative(n.v10) || is_negative(n.v11);
+          },
+          [](const auto&) { return false; },
+      },
+      texture.node);
+  visit_children(texture, [&](const TexturePtr& child) { found |= may_be_negative(*child); });
+  return found;
+}
+
 Rgb evaluate(const TextureNode& texture, Vec2 uv) {
   return std::visit(
       Overloaded{
           [&](const ConstantNode& n) { return n.value; },
           [&](const ImageNode& n) { return image_at(n, n.mapping(uv)); },
-          [&](const AffineNode& n) { return at_least_0(evaluate(*n.base, uv) * n.scale + n.offset); },
+          [&](const AffineNode& n) { return evaluate(*n.base, uv) * n.scale + n.offset; },
           [&](const ProductNode& n) { return evaluate(*n.a, uv) * evaluate(*n.b, uv); },
           [&](const BlendNode& n) {
-            return at_least_0(lerp(evaluate(*n.a, uv), evaluate(*n.b, uv), evaluate(*n.amount, uv)));
+            return lerp(evaluate(*n.a, uv), evaluate(*n.b, uv), evaluate(*n.amount, uv));
           },
           [&](const CheckerNode& n) { return evaluate(is_second(n.mapping(uv)) ? *n.b : *n.a, uv); },
           [&](const BilinearNode& n) { return bilinear_at(n, n.mapping(uv)); },
           [&](const PowerNode& n) {
             const Rgb c = evaluate(*n.base, uv);
             return Rgb{power(c.r, n.exponent), power(c.g, n.exponent), power(c.b, n.exponent)};
+          },
+          [&](const ChannelNode& n) {
+            const Rgb c = evaluate(*n.base, uv);
+            return Rgb{n.function(c.r), n.function(c.g), n.function(c.b)};
           },
           [&](const MeanNode& n) { return Rgb::gray(mean(evaluate(*n.base, uv))); },
           [](const PatternNode&) { return Rgb{}; },

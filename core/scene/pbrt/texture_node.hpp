@@ -4,6 +4,7 @@
 // with patterns become procedural textures. Immutable; thread-safe.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <variant>
 
@@ -40,7 +41,7 @@ struct ImageNode {
   TextureFilter filter = TextureFilter::kLinear;
 };
 
-// base * scale + offset, at least 0.
+// base * scale + offset.
 struct AffineNode {
   TexturePtr base;
   Rgb scale = Rgb::gray(1), offset{};
@@ -73,6 +74,12 @@ struct PowerNode {
   float exponent = 1;
 };
 
+// function(c) for each channel c. Patterns cannot be a part of `base`.
+struct ChannelNode {
+  TexturePtr base;
+  std::function<float(float)> function;
+};
+
 // The mean of the channels, in all of them.
 struct MeanNode {
   TexturePtr base;
@@ -96,7 +103,7 @@ struct ProjectedNode {
 
 struct TextureNode {
   std::variant<ConstantNode, ImageNode, AffineNode, ProductNode, BlendNode, CheckerNode, BilinearNode,
-               PowerNode, MeanNode, PatternNode, ProjectedNode>
+               PowerNode, ChannelNode, MeanNode, PatternNode, ProjectedNode>
       node;
   int weight = 1;             // the number of nodes that an evaluation visits
   bool has_patterns = false;  // in itself or its children
@@ -110,7 +117,10 @@ TexturePtr make_texture(const decltype(TextureNode::node)& node);
 // The value of a constant; nullptr for other textures.
 const Rgb* constant_of(const TexturePtr& texture);
 
-// Bilinear in images. The texture must have no patterns.
+// Whether a constant or a factor in it is negative, and it is not raised to 0 or more after that.
+bool may_be_negative(const TextureNode& texture);
+
+// Bilinear in images, of any sign. The texture must have no patterns.
 Rgb evaluate(const TextureNode& texture, Vec2 uv);
 
 // Calls visit(child) for each texture that `texture` refers to.

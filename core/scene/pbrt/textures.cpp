@@ -75,6 +75,10 @@ bool is_gray(const TextureImage& image) {
   return true;
 }
 
+float at_least_0(float value) {
+  return std::max(value, 0.0f);
+}
+
 bool is_one_texel(const TextureImage& image) {
   return image.width() == 1 && image.height() == 1;
 }
@@ -215,14 +219,19 @@ TexturePtr Textures::make_unknown(const std::string& kind, const Parameters& p) 
   return constant_texture(kUnknownColor);
 }
 
+// Negative values of numbers remain, as in pbrt.
 Result<TexturePtr> Textures::make_image(const Parameters& p, Kind type) {
   // Only the filter of pbrt's own lookups, which does not change the mean.
   p.find("maxanisotropy"), p.find("trilinear");
   auto base = image(p, p.text("filename"), type == Kind::kNumber);
   if (!base || constant_of(*base) != nullptr) return base;
   const float factor = p.number("scale", 1);
-  if (p.boolean("invert", false)) return make_texture(AffineNode{*base, Rgb::gray(-factor), Rgb::gray(1)});
-  return factor == 1 ? *base : make_texture(AffineNode{*base, Rgb::gray(factor), {}});
+  if (p.boolean("invert", false))
+    return make_texture(
+        ChannelNode{make_texture(AffineNode{*base, Rgb::gray(-factor), Rgb::gray(1)}), at_least_0});
+  if (factor == 1) return base;
+  const TexturePtr scaled = make_texture(AffineNode{*base, Rgb::gray(factor), {}});
+  return factor < 0 && type == Kind::kColor ? make_texture(ChannelNode{scaled, at_least_0}) : scaled;
 }
 
 Result<TexturePtr> Textures::image(const Parameters& p, const std::string& file, bool is_number) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/materials/bump_map.hpp"
 #include "tests/unit/core_scene_pbrt/pbrt_scene.hpp"
 
 namespace tessera::core::test {
@@ -330,6 +331,65 @@ TEST(PbrtMaterials, BumpsNormalMapsAndAlpha) {
   EXPECT_FLOAT_EQ(material.bump.height, 0.5f);
   EXPECT_GE(material.normal_map.texture, 0);
   EXPECT_FLOAT_EQ(material.opacity.value, 0.25f);
+}
+
+// The slope of the bump map along u in the middle of an image that is black on the left and white on the
+// right.
+float slope_of(const std::string& textures) {
+  Image ramp(2, 1);
+  ramp.pixels = {Rgb{}, Rgb::gray(1)};
+  const SceneDescription scene =
+      pbrt_world("Texture \"i\" \"float\" \"imagemap\" \"string filename\" \"ramp.png\"\n" + textures +
+                     " Material \"diffuse\" \"texture displacement\" \"t\" " + kPbrtTriangle,
+                 {{"ramp.png", png(ramp)}});
+  EXPECT_EQ(warnings_of(scene), "");
+  const BumpMap& bump = scene.materials.at(0).bump;
+  if (bump.texture < 0) return 0;
+  return height_slope(scene.textures.at(static_cast<std::size_t>(bump.texture)), bump.height, {0.5f, 0.5f})
+      .along_u;
+}
+
+TEST(PbrtMaterials, BumpsMayBeDents) {
+  const float up = slope_of("Texture \"t\" \"float\" \"scale\" \"texture tex\" \"i\" \"float scale\" 1");
+  EXPECT_GT(up, 1);
+  for (const char* negative : {"\"imagemap\" \"string filename\" \"ramp.png\" \"float scale\" -1",
+                               "\"scale\" \"texture tex\" \"i\" \"float scale\" -1",
+                               "\"mix\" \"float tex1\" 0 \"float tex2\" -1 \"texture amount\" \"i\"",
+                               "\"imagemap\" \"string filename\" \"ramp.png\" \"bool invert\" true"})
+    EXPECT_NEAR(slope_of("Texture \"t\" \"float\" " + std::string(negative)), -up, 1e-5f) << negative;
+}
+
+TEST(PbrtMaterials, BumpsOfPatternsMayBeDents) {
+  const SceneDescription scene = pbrt_world(
+      "Texture \"i\" \"float\" \"imagemap\" \"string filename\" \"a.png\" \"float scale\" -2\n"
+      "Texture \"f\" \"float\" \"wrinkled\"\n"
+      "Texture \"t\" \"float\" \"scale\" \"texture tex\" \"f\" \"texture scale\" \"i\"\n"
+      "Material \"diffuse\" \"texture displacement\" \"t\" " +
+          kPbrtTriangle,
+      {{"a.png", png(one_color(2, 2, Rgb::gray(1)))}});
+  const auto bump = static_cast<std::size_t>(scene.materials.at(0).bump.texture);
+  const Texture& product = scene.textures.at(bump);
+  const TexturePoint at(Vec2{0.5f, 0.5f}, {0.3f, 0.4f, 0.5f}, {0, 0, 1});
+  const ColorParameter& wrinkled = std::get<ProductPattern>(product.procedural->pattern).first;
+  const float factor = wrinkled.evaluate(scene.textures, at).r;
+  EXPECT_GT(factor, 0.1f);
+  EXPECT_NEAR(product.evaluate_unclamped(scene.textures, at).r, -2 * factor, 1e-5f);
+}
+
+// Lights and reflectances are not negative.
+TEST(PbrtMaterials, OnlyBumpsAreNegative) {
+  const MemoryAssets::Files files{{"a.png", png(one_color(2, 2, Rgb::gray(1)))}};
+  const SceneDescription scene = pbrt_world(
+      "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"a.png\" \"float scale\" -1\n"
+      "Texture \"c\" \"spectrum\" \"imagemap\" \"string filename\" \"a.png\" \"float scale\" -1\n"
+      "Texture \"m\" \"spectrum\" \"mix\" \"texture tex1\" \"c\" \"rgb tex2\" [1 1 1]\n"
+      "Material \"coateddiffuse\" \"texture reflectance\" \"m\" \"texture roughness\" \"t\" " +
+          kPbrtTriangle,
+      files);
+  EXPECT_EQ(warnings_of(scene), "");
+  const auto& plastic = std::get<Plastic>(scene.materials.at(0).model);
+  EXPECT_EQ(plastic.roughness.evaluate(scene.textures, Vec2{0.5f, 0.5f}), 0);
+  expect_color(plastic.diffuse.evaluate(scene.textures, Vec2{0.5f, 0.5f}), Rgb::gray(0.5f));
 }
 
 }  // namespace
