@@ -235,26 +235,44 @@ Materials::Model Materials::coated_diffuse(const Parameters& p) {
   return plastic;
 }
 
+Result<ColorParameter> Materials::mapped(const TexturePtr& texture,
+                                         const std::function<float(float)>& function, float limit,
+                                         const Place& place) {
+  const TexturePtr values = make_texture(ChannelNode{texture, function});
+  if (!values) return report_.error(place, "a texture of the reflectance refers to too many others");
+  return baker_.color(values, limit, place);
+}
+
+ComplexIndex Materials::index_of_metal(const Parameters& p, const std::string& prefix) {
+  for (const char* part : {"eta", "k"})
+    if (const Parameter* given = p.find(prefix + part); given != nullptr && given->type == "texture")
+      report_.warn(p.place_of(given), "textured indices of metals are not supported; copper is used");
+  return colors_.metal(p, prefix + "eta", prefix + "k");
+}
+
+Result<ConductorMaterial> Materials::metal_of(const TexturePtr& reflectance, const Place& place) {
+  constexpr float kMaxIndex = 1000;
+  ConductorMaterial metal;
+  // A metal that reflects everything, tinted, if nothing else is possible.
+  const bool is_tint = reflectance->has_patterns;
+  if (is_tint)
+    report_.warn(place, "a metal whose reflectance is a pattern reflects no more at grazing angles");
+  auto values = is_tint ? baker_.color(reflectance, 1, place)
+                        : mapped(reflectance, index_for_reflectance, kMaxIndex, place);
+  if (!values) return fail(values.error());
+  (is_tint ? metal.specular : metal.k) = *values;
+  if (!is_tint) metal.eta = {Rgb::gray(1), -1};
+  return metal;
+}
+
 Materials::Model Materials::conductor(const Parameters& p, const std::string& prefix) {
   ConductorMaterial metal;
   if (const TexturePtr reflectance = textures_.color(p, "reflectance", SpectrumRole::kAlbedo)) {
-    const Rgb* constant = constant_of(reflectance);
-    if (constant != nullptr) {
-      metal.eta = {Rgb::gray(1), -1};
-      metal.k = {{index_for_reflectance(constant->r), index_for_reflectance(constant->g),
-                  index_for_reflectance(constant->b)},
-                 -1};
-    } else {
-      // A metal that reflects everything, tinted.
-      auto tint = baker_.color(reflectance, 1, p.place());
-      if (!tint) return fail(tint.error());
-      metal.specular = *tint;
-    }
+    auto made = metal_of(reflectance, p.place_of(p.find("reflectance")));
+    if (!made) return fail(made.error());
+    metal = *made;
   } else {
-    for (const char* part : {"eta", "k"})
-      if (const Parameter* given = p.find(prefix + part); given != nullptr && given->type == "texture")
-        report_.warn(p.place_of(given), "textured indices of metals are not supported; copper is used");
-    const ComplexIndex index = colors_.metal(p, prefix + "eta", prefix + "k");
+    const ComplexIndex index = index_of_metal(p, prefix);
     metal.eta = {index.eta, -1};
     metal.k = {index.k, -1};
   }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -107,6 +108,12 @@ class Materials {
   };
   Result<Roughness> roughness(const Parameters& p, const std::string& prefix, float otherwise,
                               bool may_differ);
+  // function(c) for each channel c, at most `limit`; the texture must have no patterns.
+  Result<ColorParameter> mapped(const TexturePtr& texture, const std::function<float(float)>& function,
+                                float limit, const Place& place);
+  ComplexIndex index_of_metal(const Parameters& p, const std::string& prefix);
+  // The metal of the real index 1 that has this reflectance at normal incidence.
+  Result<ConductorMaterial> metal_of(const TexturePtr& reflectance, const Place& place);
   RefractiveIndex refractive_index(const Parameters& p, std::string_view name, float otherwise);
   // The same for materials without dispersion.
   float index_of_refraction(const Parameters& p, std::string_view name, float otherwise);

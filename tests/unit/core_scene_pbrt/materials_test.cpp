@@ -90,6 +90,28 @@ TEST(PbrtMaterials, MetalsByNameIndexOrReflectance) {
   EXPECT_NEAR(reflected.b, 0, 1e-5);
 }
 
+const std::string kReflectanceImage =
+    "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.png\"\n";
+const std::string kReflectancePattern = "Texture \"t\" \"spectrum\" \"marble\"\n";
+
+// An image of one colour, 0.5 in linear light.
+MemoryAssets::Files half_white() {
+  return {{"a.png", png(one_color(2, 2, Rgb::gray(0.5f)))}};
+}
+
+TEST(PbrtMaterials, MetalsByTexturedReflectance) {
+  const std::string metal = "Material \"conductor\" \"texture reflectance\" \"t\" " + kPbrtTriangle;
+  const SceneDescription scene = pbrt_world(kReflectanceImage + metal, half_white());
+  EXPECT_EQ(warnings_of(scene), "");
+  const auto& model = std::get<ConductorMaterial>(scene.materials.at(0).model);
+  EXPECT_EQ(model.eta.value, Rgb::gray(1));
+  EXPECT_EQ(model.specular.value, Rgb::gray(1));
+  const Rgb k = model.k.evaluate(scene.textures, Vec2{0.5f, 0.5f});
+  expect_color(fresnel_conductor(1.0f, Rgb::gray(1), k), Rgb::gray(0.5f), 5e-3f);
+  EXPECT_THAT(warnings_of(pbrt_world(kReflectancePattern + metal)),
+              HasSubstr("a metal whose reflectance is a pattern reflects no more at grazing angles"));
+}
+
 TEST(PbrtMaterials, AreClampedToTheRangesOfSceneFiles) {
   const auto metal = model_of<ConductorMaterial>(
       "Material \"conductor\" \"rgb eta\" [0.2 0.9 1.1] \"rgb k\" [3.9 5000 2.1]");
