@@ -20,7 +20,7 @@ Materials::Model Materials::earlier_model(const std::string& type, const Paramet
   if (type == "matte") return diffuse(p, "Kd");
   if (type == "plastic") return plastic_of_version_3(p, 0.1f);
   if (type == "substrate") return plastic_of_version_3(p, 0.1f);
-  if (type == "metal") return conductor(p, "");
+  if (type == "metal") return conductor(p);
   if (type == "glass") return glass_of_version_3(p);
   if (type == "uber") return uber_of_version_3(p);
   if (type == "disney") return disney_of_version_3(p);

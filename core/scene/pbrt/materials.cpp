@@ -92,7 +92,7 @@ Materials::Model Materials::model(const std::string& type, const Parameters& p) 
   if (type.empty() || type == "none" || type == "interface") return Null{};
   if (type == "diffuse") return diffuse(p, "reflectance");
   if (type == "coateddiffuse") return coated_diffuse(p);
-  if (type == "conductor") return conductor(p, "");
+  if (type == "conductor") return conductor(p);
   if (type == "coatedconductor") return coated_conductor(p);
   if (type == "dielectric") return dielectric(p);
   if (type == "thindielectric") return thin_dielectric(p);
@@ -265,23 +265,41 @@ Result<ConductorMaterial> Materials::metal_of(const TexturePtr& reflectance, con
   return metal;
 }
 
-Materials::Model Materials::conductor(const Parameters& p, const std::string& prefix) {
+Materials::Model Materials::conductor(const Parameters& p) {
   ConductorMaterial metal;
   if (const TexturePtr reflectance = textures_.color(p, "reflectance", SpectrumRole::kAlbedo)) {
     auto made = metal_of(reflectance, p.place_of(p.find("reflectance")));
     if (!made) return fail(made.error());
     metal = *made;
   } else {
-    const ComplexIndex index = index_of_metal(p, prefix);
+    const ComplexIndex index = index_of_metal(p, "");
     metal.eta = {index.eta, -1};
     metal.k = {index.k, -1};
   }
-  auto rough = roughness(p, prefix, 0, true);
+  auto rough = roughness(p, "", 0, true);
   if (!rough) return fail(rough.error());
   metal.roughness = rough->value;
   metal.anisotropy = rough->anisotropy;
   metal.tangent = rough->tangent;
   return metal;
+}
+
+Result<ColorParameter> Materials::color_under_coat(const Parameters& p, float coat_index) {
+  const TexturePtr reflectance = textures_.color(p, "reflectance", SpectrumRole::kAlbedo);
+  if (!reflectance) {
+    const ComplexIndex metal = index_of_metal(p, "conductor.");
+    return ColorParameter{fresnel_conductor(1.0f, metal.eta / coat_index, metal.k / coat_index), -1};
+  }
+  const Place place = p.place_of(p.find("reflectance"));
+  if (reflectance->has_patterns) {
+    report_.warn(
+        place, "a metal under a coat whose reflectance is a pattern reflects what it does without the coat");
+    return baker_.color(reflectance, 1, place);
+  }
+  const auto seen_from_coat = [coat_index](float r) {
+    return conductor_reflectance(1.0f, 1 / coat_index, index_for_reflectance(r) / coat_index);
+  };
+  return mapped(reflectance, seen_from_coat, 1, place);
 }
 
 Materials::Model Materials::coated_conductor(const Parameters& p) {
@@ -291,19 +309,18 @@ Materials::Model Materials::coated_conductor(const Parameters& p) {
     if (p.has(ignored)) p.remark(ignored, "has no effect, because nothing scatters between the layers");
   report_.warn(p.place(),
                "the material 'coatedconductor' is approximated by a metal under the coat of 'principled'");
-  auto metal = conductor(p, "conductor.");
-  if (!metal) return metal;
-  auto coat = roughness(p, "interface.", 0, true);
-  if (!coat) return fail(coat.error());
-  const auto& base = std::get<ConductorMaterial>(*metal);
   const float index = index_of_refraction(p, "interface.eta", 1.5f);
+  auto color = color_under_coat(p, index);
+  if (!color) return fail(color.error());
+  auto base = roughness(p, "conductor.", 0, true), coat = roughness(p, "interface.", 0, true);
+  for (const auto* read : {&base, &coat})
+    if (!*read) return fail(read->error());
   Principled surface;
   surface.base_metalness = 1;
-  const Rgb seen_from_coat = fresnel_conductor(1.0f, base.eta.value / index, base.k.value / index);
-  surface.base_color = {seen_from_coat * base.specular.value, base.specular.texture};
-  surface.specular_roughness = base.roughness;
-  surface.specular_roughness_anisotropy = base.anisotropy;
-  surface.tangent = base.tangent;
+  surface.base_color = *color;
+  surface.specular_roughness = base->value;
+  surface.specular_roughness_anisotropy = base->anisotropy;
+  surface.tangent = base->tangent;
   surface.coat_weight = 1;
   surface.coat_ior = index;
   surface.coat_roughness = coat->value;

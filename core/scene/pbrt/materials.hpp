@@ -81,7 +81,7 @@ class Materials {
   Model earlier_model(const std::string& type, const Parameters& p);
   Model diffuse(const Parameters& p, std::string_view reflectance);
   Model coated_diffuse(const Parameters& p);
-  Model conductor(const Parameters& p, const std::string& prefix);
+  Model conductor(const Parameters& p);
   Model coated_conductor(const Parameters& p);
   // `index` names the parameter of the index of refraction.
   Model dielectric(const Parameters& p, std::string_view index = "eta");
@@ -114,6 +114,8 @@ class Materials {
   ComplexIndex index_of_metal(const Parameters& p, const std::string& prefix);
   // The metal of the real index 1 that has this reflectance at normal incidence.
   Result<ConductorMaterial> metal_of(const TexturePtr& reflectance, const Place& place);
+  // The reflectance at normal incidence of the metal of "coatedconductor", seen from inside of the coat.
+  Result<ColorParameter> color_under_coat(const Parameters& p, float coat_index);
   RefractiveIndex refractive_index(const Parameters& p, std::string_view name, float otherwise);
   // The same for materials without dispersion.
   float index_of_refraction(const Parameters& p, std::string_view name, float otherwise);

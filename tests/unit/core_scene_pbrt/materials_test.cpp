@@ -288,6 +288,19 @@ TEST(PbrtMaterials, CoatedMetalIsPrincipled) {
   EXPECT_EQ(brushed.coat_tangent.rotation.value, 0);
 }
 
+TEST(PbrtMaterials, CoatedMetalByTexturedReflectance) {
+  const std::string metal =
+      "Material \"coatedconductor\" \"texture reflectance\" \"t\" \"float interface.eta\" 1.5 " +
+      kPbrtTriangle;
+  const SceneDescription scene = pbrt_world(kReflectanceImage + metal, half_white());
+  const auto& coated = std::get<Principled>(scene.materials.at(0).model);
+  // As a metal of index 1, 0.5 is k = 2.
+  expect_color(coated.base_color.evaluate(scene.textures, Vec2{0.5f, 0.5f}),
+               fresnel_conductor(1.0f, Rgb::gray(1 / 1.5f), Rgb::gray(2 / 1.5f)), 5e-3f);
+  EXPECT_THAT(warnings_of(pbrt_world(kReflectancePattern + metal)),
+              HasSubstr("a metal under a coat whose reflectance is a pattern"));
+}
+
 TEST(PbrtMaterials, MaterialsOfVersion3) {
   EXPECT_EQ(model_of<Lambert>("Material \"matte\" \"color Kd\" [0.1 0.2 0.3]").albedo.value,
             (Rgb{0.1f, 0.2f, 0.3f}));
