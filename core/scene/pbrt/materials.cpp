@@ -220,18 +220,21 @@ Materials::Model Materials::coated_diffuse(const Parameters& p) {
   if (!reflectance) return fail(reflectance.error());
   auto rough = roughness(p, "", 0, false);
   if (!rough) return fail(rough.error());
-  Plastic plastic;
-  plastic.diffuse = *reflectance;
-  plastic.ior = index_of_refraction(p, "eta", 1.5f);
-  plastic.roughness = rough->value;
-  plastic.nonlinear = true;
-  plastic.compensated = false;
   // Without scattering between the layers their distance has little effect.
   const Rgb albedo = colors_.color(p, "albedo", SpectrumRole::kAlbedo, {});
   for (const char* ignored : {"thickness", "g"})
     if (p.has(ignored)) p.remark(ignored, "has no effect, because nothing scatters between the layers");
   if (!is_black(albedo))
     report_.warn(p.place(), "scattering between the layers of a material is not supported; it is ignored");
+  const float index = index_of_refraction(p, "eta", 1.5f);
+  // pbrt takes a boundary without reflection for a smooth one.
+  if (index == 1) return Lambert{*reflectance};
+  Plastic plastic;
+  plastic.diffuse = *reflectance;
+  plastic.ior = index;
+  plastic.roughness = rough->value;
+  plastic.nonlinear = true;
+  plastic.compensated = false;
   return plastic;
 }
 

@@ -69,6 +69,9 @@ TEST(PbrtMaterials, CoatedDiffuseIsPlastic) {
   EXPECT_EQ(plastic.diffuse.value, (Rgb{1, 0, 0}));
   EXPECT_TRUE(plastic.nonlinear);
   EXPECT_FALSE(plastic.compensated);
+  const std::string uncoated =
+      "Material \"coateddiffuse\" \"float eta\" 1 \"float roughness\" 0.8 \"rgb reflectance\" [1 0 0]";
+  EXPECT_EQ(model_of<Lambert>(uncoated).albedo.value, (Rgb{1, 0, 0}));
 }
 
 TEST(PbrtMaterials, MetalsByNameIndexOrReflectance) {
