@@ -368,6 +368,9 @@ Materials::Model Materials::diffuse_transmission(const Parameters& p) {
     each->value = {std::min(each->value.r, 1.0f), std::min(each->value.g, 1.0f),
                    std::min(each->value.b, 1.0f)};
   }
+  const bool are_constant = reflected->texture < 0 && transmitted->texture < 0;
+  if (are_constant && max_component(reflected->value + transmitted->value) > 1)
+    p.remark("transmittance", "adds up to more than 1 with the reflectance; both are scaled down");
   return DiffuseTransmission{*reflected, *transmitted};
 }
 

@@ -202,6 +202,17 @@ TEST(PbrtMaterials, DiffuseTransmissionIsScaled) {
   EXPECT_EQ(leaf.transmittance.value, Rgb::gray(0.125f));
 }
 
+TEST(PbrtMaterials, DiffuseTransmissionOfMoreThanAllLightIsTold) {
+  const auto told = [](const std::string& transmittance) {
+    return warnings_of(
+        pbrt_world("Material \"diffusetransmission\" \"rgb reflectance\" [0.5 0.5 0.75] \"rgb "
+                   "transmittance\" " +
+                   transmittance + kPbrtTriangle));
+  };
+  EXPECT_EQ(told("[0.5 0.5 0.25]"), "");
+  EXPECT_THAT(told("[0.5 0.5 0.5]"), HasSubstr("adds up to more than 1 with the reflectance"));
+}
+
 TEST(PbrtMaterials, MixturesNameTheirParts) {
   const SceneDescription scene = pbrt_world(
       "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" MakeNamedMaterial \"b\" \"string type\" "
