@@ -299,7 +299,7 @@ Result<std::shared_ptr<const AreaLight>> Lights::area_light(const std::string& k
   const Rgb radiance = emitted(p, "L");
   light.radiance = {radiance, -1};
   if (!file.empty()) {
-    auto texture = textures_.image(p, file, false);
+    auto texture = textures_.image(p, file, false, "clamp");
     if (!texture) return fail(texture.error());
     auto parameter = baker_.color(*texture, kMaxRadiance, p.place());
     if (!parameter) return fail(parameter.error());

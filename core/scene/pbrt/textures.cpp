@@ -234,7 +234,8 @@ Result<TexturePtr> Textures::make_image(const Parameters& p, Kind type) {
   return factor < 0 && type == Kind::kColor ? make_texture(ChannelNode{scaled, at_least_0}) : scaled;
 }
 
-Result<TexturePtr> Textures::image(const Parameters& p, const std::string& file, bool is_number) {
+Result<TexturePtr> Textures::image(const Parameters& p, const std::string& file, bool is_number,
+                                   const std::string& default_wrap) {
   const Place place = p.place_of(p.find("filename"));
   const auto path = find_file(builder_, place, file);
   if (!path) {
@@ -245,7 +246,7 @@ Result<TexturePtr> Textures::image(const Parameters& p, const std::string& file,
   const Encoding encoding = encoding_of(p, file);
   ImageNode node;
   node.mapping = mapping(p);
-  const std::string wrap = p.choice("wrap", "repeat", {"repeat", "clamp", "black"});
+  const std::string wrap = p.choice("wrap", default_wrap, {"repeat", "clamp", "black"});
   node.wrap = wrap == "repeat" ? Wrap::kRepeat : Wrap::kClamp;
   node.black_outside = wrap == "black";
   if (p.text("filter") == "point") node.filter = TextureFilter::kNearest;

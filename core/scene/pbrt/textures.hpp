@@ -33,7 +33,9 @@ class Textures {
   TexturePtr number(const Parameters& p, std::string_view name, float otherwise);
 
   // An image file, its alpha for a number if it has one; gray of 0.5 if it cannot be read, with a warning.
-  Result<TexturePtr> image(const Parameters& p, const std::string& file, bool is_number);
+  // `default_wrap` is that of the parameter "wrap".
+  Result<TexturePtr> image(const Parameters& p, const std::string& file, bool is_number,
+                           const std::string& default_wrap = "repeat");
 
  private:
   enum class Kind { kNumber, kColor };

@@ -141,6 +141,14 @@ TEST(PbrtLights, ProjectionsShowTheirImage) {
   EXPECT_EQ(warnings_of(scene), "");
 }
 
+TEST(PbrtLights, ImagesOfAreaLightsEndAtTheirEdges) {
+  const SceneDescription scene =
+      pbrt_world("AreaLightSource \"diffuse\" \"string filename\" \"slide.hdr\" " + kPbrtTriangle,
+                 {{"slide.hdr", two_colors()}});
+  const int image = scene.materials.at(0).emission.texture;
+  expect_color(scene.textures.at(static_cast<std::size_t>(image)).evaluate(Vec2{0.01f, 0.5f}), {2, 0, 0});
+}
+
 // The pole of the image's mapping is the light's y axis.
 TEST(PbrtLights, GoniometricLightsEmitAsTheirImageSays) {
   Image image(16, 16);
