@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -72,10 +73,22 @@ void move_to_placement(MeshDescription& mesh, const ShapePlacement& at) {
     for (Corners& t : mesh.triangles) std::swap(t[1], t[2]);
 }
 
-double area_of(const MeshDescription& mesh) {
-  double area = 0;
-  for (const Corners& t : mesh.triangles) area += static_cast<double>(length(corner_normal(mesh, t))) / 2;
-  return area;
+// The areas of the triangles of a mesh.
+struct TriangleAreas {
+  double sum = 0;
+  bool are_equal = true;  // but for 1 %
+};
+
+TriangleAreas areas_of(const MeshDescription& mesh) {
+  constexpr double kMaxRatio = 1.01;
+  double sum = 0, least = std::numeric_limits<double>::infinity(), greatest = 0;
+  for (const Corners& t : mesh.triangles) {
+    const double area = static_cast<double>(length(corner_normal(mesh, t))) / 2;
+    sum += area;
+    least = std::min(least, area);
+    greatest = std::max(greatest, area);
+  }
+  return {sum, greatest <= kMaxRatio * least};
 }
 
 bool has_valid_indices(const MeshDescription& mesh) {
@@ -200,7 +213,7 @@ Status Shapes::add_sphere(const Parameters& p, const ShapePlacement& at) {
   const float growth = even_scale(at.to_world);
   const bool is_turned = at.reverse_orientation && surfaces_.has_sides(at.surface);
   if (!is_whole || is_turned || (growth == 0 && at.surface.light))
-    return add_mesh(sphere_mesh(sphere), p, at);
+    return add_mesh(sphere_mesh(sphere), p, at, 1);
   const double radius = static_cast<double>(sphere.radius) * static_cast<double>(growth);
   const double area = 4 * std::numbers::pi * radius * radius;
   if (growth > 0 && !surfaces_.is_textured(at.surface))
@@ -224,7 +237,7 @@ Status Shapes::add_disk(const Parameters& p, const ShapePlacement& at) {
     report_.warn(p.place(), "a disk without a surface is left out");
     return {};
   }
-  if (disk.phi_max < 360) return add_mesh(disk_mesh(disk), p, at);
+  if (disk.phi_max < 360) return add_mesh(disk_mesh(disk), p, at, 1);
   DiskDescription whole;
   whole.center = at.to_world.point({0, 0, disk.height});
   whole.radius_u = at.to_world.direction({disk.radius, 0, 0});
@@ -249,7 +262,7 @@ Status Shapes::add_cylinder(const Parameters& p, const ShapePlacement& at) {
     return {};
   }
   const float growth = even_scale(at.to_world);
-  if (cylinder.phi_max < 360 || growth == 0) return add_mesh(cylinder_mesh(cylinder), p, at);
+  if (cylinder.phi_max < 360 || growth == 0) return add_mesh(cylinder_mesh(cylinder), p, at, 1);
   CylinderDescription whole;
   whole.start = at.to_world.point({0, 0, cylinder.z_min});
   whole.axis = at.to_world.direction({0, 0, cylinder.z_max - cylinder.z_min});
@@ -320,7 +333,7 @@ Status Shapes::add_patches(const Parameters& p, const ShapePlacement& at) {
   }
   const std::uint64_t triangles = bilinear_triangles(positions, patches);
   if (auto fits = builder_.check_triangles(*p.place().file, triangles); !fits) return fits;
-  return add_mesh(bilinear_mesh(positions, normals, uvs, patches), p, at);
+  return add_mesh(bilinear_mesh(positions, normals, uvs, patches), p, at, patches.size());
 }
 
 Status Shapes::add_curve(const Parameters& p, const ShapePlacement& at) {
@@ -361,7 +374,8 @@ Status Shapes::add_subdivision(const Parameters& p, const ShapePlacement& at) {
   return add_mesh(subdivide(control, levels), p, at);
 }
 
-Status Shapes::add_mesh(MeshDescription mesh, const Parameters& p, const ShapePlacement& at) {
+Status Shapes::add_mesh(MeshDescription mesh, const Parameters& p, const ShapePlacement& at,
+                        std::optional<std::size_t> shapes) {
   const std::size_t vertices = mesh.positions.size();
   if (!mesh.normals.empty() && mesh.normals.size() != vertices) {
     report_.warn(p.place(), "normals are ignored: there is not one for each vertex");
@@ -379,11 +393,15 @@ Status Shapes::add_mesh(MeshDescription mesh, const Parameters& p, const ShapePl
   }
   if (mesh.uvs.empty() && surfaces_.is_textured(at.surface)) give_default_uvs(mesh);
   move_to_placement(mesh, at);
-  // Each triangle is a light of its own.
-  const double area = area_of(mesh) / static_cast<double>(std::max<std::size_t>(mesh.triangles.size(), 1));
-  auto material = surfaces_.material(at.surface, area, p.place());
+  const TriangleAreas areas = areas_of(mesh);
+  const std::size_t lights = std::max<std::size_t>(shapes.value_or(mesh.triangles.size()), 1);
+  auto material = surfaces_.material(at.surface, areas.sum / static_cast<double>(lights), p.place());
   if (!material) return fail(material.error());
   if (!*material) return {};
+  if (at.surface.light && at.surface.light->power && lights > 1 && !areas.are_equal)
+    report_.warn(p.place(),
+                 "the power of each part of an area light is not supported, because their areas differ; all "
+                 "have the radiance of the mean area");
   mesh.triangle_materials = {**material};
   return builder_.add_mesh(std::move(mesh), shape_name(p, "mesh"), at.object, *p.place().file,
                            p.place().line);

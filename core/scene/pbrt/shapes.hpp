@@ -43,7 +43,9 @@ class Shapes {
   Status add_patches(const Parameters& p, const ShapePlacement& at);
   Status add_curve(const Parameters& p, const ShapePlacement& at);
   Status add_subdivision(const Parameters& p, const ShapePlacement& at);
-  Status add_mesh(MeshDescription mesh, const Parameters& p, const ShapePlacement& at);
+  // `shapes` is the number of pbrt's shapes, each of which is a light; without it, each triangle is one.
+  Status add_mesh(MeshDescription mesh, const Parameters& p, const ShapePlacement& at,
+                  std::optional<std::size_t> shapes = {});
   // Adds the shape if its surface has an effect.
   template <typename Description>
   Status add_analytic(Description shape, double area, const Parameters& p, const ShapePlacement& at);

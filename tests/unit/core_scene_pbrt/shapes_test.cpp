@@ -231,5 +231,29 @@ TEST(PbrtShapes, LimitsOnTrianglesHold) {
   EXPECT_EQ(loaded.error().code, ErrorCode::kResourceExhausted);
 }
 
+// pbrt gives its power to each triangle.
+TEST(PbrtShapes, PowerOfUnequalTrianglesIsTold) {
+  const auto told = [](const std::string& last_corner) {
+    return warnings_of(pbrt_world(
+        "AreaLightSource \"diffuse\" \"float power\" 10 Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 "
+        "0 1 0 " +
+        last_corner + "] \"integer indices\" [0 1 2 1 3 2]"));
+  };
+  EXPECT_EQ(told("1 1 0"), "");
+  EXPECT_THAT(told("2 2 0"), testing::HasSubstr("the power of each part of an area light"));
+}
+
+TEST(PbrtShapes, PowerIsThatOfAWholeQuadricOrPatch) {
+  const auto emitted = [](const std::string& shape) {
+    const SceneDescription scene =
+        pbrt_world("AreaLightSource \"diffuse\" \"float power\" 10 Shape " + shape);
+    EXPECT_EQ(warnings_of(scene), "");
+    return scene.materials.at(0).emission.value.g;
+  };
+  const float pi = std::numbers::pi_v<float>;
+  EXPECT_NEAR(emitted("\"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 2 0 2 2 0]"), 10 / (pi * 4), 1e-4f);
+  EXPECT_NEAR(emitted("\"disk\" \"float phimax\" 180"), 10 / (pi * pi / 2), 0.01f);
+}
+
 }  // namespace
 }  // namespace tessera::core::test
