@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/image/srgb.hpp"
 #include "core/math/frame.hpp"
 #include "core/scene/loader/wording.hpp"
 #include "core/scene/pbrt/files.hpp"
@@ -77,6 +78,18 @@ bool is_gray(const TextureImage& image) {
 
 float at_least_0(float value) {
   return std::max(value, 0.0f);
+}
+
+bool has_float_ending(std::string_view file) {
+  return has_ending(file, ".exr") || has_ending(file, ".pfm") || has_ending(file, ".hdr");
+}
+
+// pbrt decodes alpha as it does colours.
+TexturePtr decoded_alpha(const ImageNode& alpha, const Encoding& encoding, bool has_codes) {
+  const TexturePtr linear = make_texture(alpha);
+  if (encoding.gamma != 1) return make_texture(PowerNode{linear, encoding.gamma});
+  if (encoding.color_space == ColorSpace::kLinear || !has_codes) return linear;
+  return make_texture(ChannelNode{linear, [](float code) { return srgb_decode(static_cast<double>(code)); }});
 }
 
 bool is_one_texel(const TextureImage& image) {
@@ -255,7 +268,7 @@ Result<TexturePtr> Textures::image(const Parameters& p, const std::string& file,
     auto alpha = builder_.image_file(*path, {ColorSpace::kLinear, TextureChannel::kAlpha});
     if (alpha && !is_one_texel(**alpha)) {
       node.image = *alpha;
-      return make_texture(node);
+      return decoded_alpha(node, encoding, !has_float_ending(file));
     }
   }
   auto decoded = builder_.image_file(*path, use_of_channel(encoding.color_space, channel));

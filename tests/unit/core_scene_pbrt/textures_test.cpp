@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Textures of pbrt files: constants, images, and what is evaluated into images.
 #include <gmock/gmock.h>
+#include <stb_image_write.h>
 
 #include "core/image/srgb.hpp"
 #include "tests/unit/core_scene_pbrt/pbrt_scene.hpp"
@@ -100,6 +101,32 @@ TEST(PbrtTextures, EncodingsOfPng) {
   const float linear = gray(" \"string encoding\" \"linear\"");
   EXPECT_GT(linear, gray("") + 0.1f);
   EXPECT_NEAR(gray(" \"string encoding\" \"gamma 2\""), linear * linear, 1e-3);
+}
+
+// A PNG file of two pixels with the alpha 128 and 255 of 255.
+std::string half_transparent() {
+  const std::vector<std::uint8_t> pixels{255, 255, 255, 128, 255, 255, 255, 255};
+  std::string file;
+  stbi_write_png_to_func(
+      [](void* context, void* data, int size) {
+        static_cast<std::string*>(context)->append(static_cast<const char*>(data),
+                                                   static_cast<std::size_t>(size));
+      },
+      &file, 2, 1, 4, pixels.data(), 8);
+  return file;
+}
+
+TEST(PbrtTextures, AlphaIsEncodedAsColours) {
+  const auto opacity = [](const std::string& encoding) {
+    const SceneDescription scene =
+        pbrt_world("Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"a.png\"" + encoding +
+                       "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"texture alpha\" \"t\"",
+                   {{"a.png", half_transparent()}});
+    return scene.materials.at(0).opacity.evaluate(scene.textures, Vec2{0.25f, 0.5f});
+  };
+  EXPECT_NEAR(opacity(""), srgb_decode(std::uint8_t{128}), 1e-4f);
+  EXPECT_NEAR(opacity("\"string encoding\" \"linear\""), 128 / 255.0f, 1e-4f);
+  EXPECT_NEAR(opacity("\"string encoding\" \"gamma 2\""), 128 * 128 / (255.0f * 255), 1e-4f);
 }
 
 TEST(PbrtTextures, CheckerboardsAreEvaluated) {
