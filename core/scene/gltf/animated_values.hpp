@@ -12,8 +12,8 @@ namespace tessera::core::gltf {
 std::string pointer_of(const Value& target);
 
 // Replaces the values that the chosen animation points to by those at the chosen time. Those of materials,
-// nodes, meshes, cameras and lights can be; warnings name others. Values of the document that were taken before
-// are no longer valid.
+// nodes, meshes, cameras and lights can be; warnings name others. Values of the document that were taken
+// before are no longer valid.
 void apply_pointers(Document& document);
 
 }  // namespace tessera::core::gltf

@@ -40,15 +40,6 @@ BaseKeys base_keys(const Value& material) {
 
 }  // namespace
 
-// glTF gives the roughness along the direction as mix(alpha, 1, strength^2), and alpha across it; OpenPBR
-// 1.1 (section "Microfacet model") the ratio 1 - anisotropy of both, at a mean square that stays.
-Materials::Anisotropic Materials::anisotropic(float alpha, float strength) {
-  constexpr float kMinAcross = 1e-3f;
-  const float across = std::max(alpha, kMinAcross);
-  const float along = across + (1 - across) * strength * strength, ratio = across / along;
-  return {1 - ratio, std::min(std::sqrt(along / std::sqrt(2 / (1 + ratio * ratio))), 1.0f)};
-}
-
 float Materials::turns_of(float radians) {
   const double turns = double{radians} / (2 * double{kPi});
   return static_cast<float>(turns - std::round(turns));
@@ -199,23 +190,22 @@ Principled Materials::principled(const Value& material) {
   if (glossiness.exists())
     add_specular_glossiness(glossiness, model);
   else
-    add_metallic_roughness(material["pbrMetallicRoughness"], model);
+    add_metalness(material["pbrMetallicRoughness"], model);
   add_specular(material.extension("KHR_materials_specular"), model);
   add_transmission(material, model);
-  add_anisotropy(material.extension("KHR_materials_anisotropy"), model);
+  add_anisotropy_direction(material.extension("KHR_materials_anisotropy"), model);
   add_diffuse_roughness(material.extension("KHR_materials_diffuse_roughness"), model);
   add_coat(material, model);
-  add_openpbr_coat(material, model);
+  add_roughness(material, model);
   add_sheen(material.extension("KHR_materials_sheen"), model);
   add_fuzz(material.extension("KHR_materials_fuzz"), model);
   add_iridescence(material.extension("KHR_materials_iridescence"), model);
   return model;
 }
 
-void Materials::add_metallic_roughness(const Value& place, Principled& model) {
-  const Value info = place["metallicRoughnessTexture"];
-  model.base_metalness = share(place, "metallicFactor", 1, textures_.data(info, TextureChannel::kBlue));
-  model.specular_roughness = share(place, "roughnessFactor", 1, textures_.data(info, TextureChannel::kGreen));
+void Materials::add_metalness(const Value& place, Principled& model) {
+  model.base_metalness =
+      parameter(factor(place, "metallicFactor", 1, "metallicRoughnessTexture", TextureChannel::kBlue));
 }
 
 // The extension is older than KHR_materials_specular, which replaced it.
@@ -227,10 +217,6 @@ void Materials::add_specular_glossiness(const Value& extension, Principled& mode
   const float strongest = max_component(specular);
   model.specular_ior = index_of_reflectance(strongest, kMaxIor);
   model.specular_color = {strongest > 0 ? specular / strongest : Rgb{}, textures_.color(info)};
-  const float gloss = within(extension, "glossinessFactor", extension.number_or("glossinessFactor", 1), 0, 1);
-  const int roughness = textures_.converted(info, TextureChannel::kAlpha, fmt::format("gloss {}", gloss),
-                                            [&](float value) { return 1 - gloss * value; });
-  model.specular_roughness = roughness < 0 ? ScalarParameter(1 - gloss) : ScalarParameter(1, roughness);
 }
 
 void Materials::add_specular(const Value& extension, Principled& model) {
@@ -274,45 +260,40 @@ void Materials::add_transmission(const Value& material, Principled& model) {
     model.transmission_dispersion = {.scale = strength, .abbe_number = 20};
 }
 
-void Materials::add_anisotropy(const Value& extension, Principled& model) {
-  const float strength =
-      within(extension, "anisotropyStrength", extension.number_or("anisotropyStrength", 0), 0, 1);
-  if (!(strength > 0)) return;
-  const float alpha = model.specular_roughness.value * model.specular_roughness.value;
-  const Value info = extension["anisotropyTexture"];
-  if (model.specular_roughness.texture >= 0) {
-    document_.warn(extension, "anisotropy strength",
-                   "anisotropy is computed for the roughness factor; its texture's strength is ignored");
-  } else if (info.exists()) {
-    // Blue is a factor of the strength.
-    const std::string name = fmt::format("anisotropy {} {}", strength, alpha);
-    const auto at = [&](float blue) { return anisotropic(alpha, strength * blue); };
-    model.specular_roughness_anisotropy = {
-        1,
-        textures_.converted(info, TextureChannel::kBlue, name, [&](float blue) { return at(blue).ratio; })};
-    model.specular_roughness = {1, textures_.converted(info, TextureChannel::kBlue, "rough " + name,
-                                                       [&](float blue) { return at(blue).roughness; })};
-  }
-  if (model.specular_roughness_anisotropy.texture < 0) {
-    const Anisotropic all = anisotropic(alpha, strength);
-    model.specular_roughness_anisotropy = all.ratio;
-    model.specular_roughness.value = all.roughness;
-  }
-  // Both count from growing u counter-clockwise, towards growing v as v points upwards here.
-  model.tangent.map.texture = textures_.data(info, TextureChannel::kColor);
+// Both count from growing u counter-clockwise, towards growing v as v points upwards here.
+void Materials::add_anisotropy_direction(const Value& extension, Principled& model) {
+  if (!(extension.number_or("anisotropyStrength", 0) > 0)) return;
+  model.tangent.map.texture = textures_.data(extension["anisotropyTexture"], TextureChannel::kColor);
   model.tangent.rotation = turns_of(extension.number_or("anisotropyRotation", 0));
 }
 
+// The draft of a coat takes precedence, even without weight.
 void Materials::add_coat(const Value& material, Principled& model) {
+  const Value draft = material.extension("KHR_materials_coat");
+  if (draft.exists())
+    add_openpbr_coat(material, model);
+  else
+    add_clearcoat(material, model);
+}
+
+Materials::Factor Materials::clearcoat_weight(const Value& extension) const {
+  return factor(extension, "clearcoatFactor", 0, "clearcoatTexture", TextureChannel::kRed);
+}
+
+Materials::Factor Materials::clearcoat_roughness(const Value& extension) const {
+  return factor(extension, "clearcoatRoughnessFactor", 0, "clearcoatRoughnessTexture",
+                TextureChannel::kGreen);
+}
+
+void Materials::add_clearcoat(const Value& material, Principled& model) {
   const Value extension = material.extension("KHR_materials_clearcoat");
   if (!(extension.number_or("clearcoatFactor", 0) > 0)) return;
-  model.coat_weight = share(extension, "clearcoatFactor", 0,
-                            textures_.data(extension["clearcoatTexture"], TextureChannel::kRed));
-  model.coat_roughness =
-      share(extension, "clearcoatRoughnessFactor", 0,
-            textures_.data(extension["clearcoatRoughnessTexture"], TextureChannel::kGreen));
+  const Factor weight = clearcoat_weight(extension);
+  model.coat_weight = parameter(weight);
+  model.coat_roughness = parameter(clearcoat_roughness(extension));
   model.coat_ior = 1.5f;
   model.coat_darkening = 0;
+  keep_index_below_coat(extension, weight, model);
   set_coat_normal(material, extension["clearcoatNormalTexture"], model);
 }
 
@@ -359,6 +340,15 @@ void Materials::add_iridescence(const Value& extension, Principled& model) {
       [&](float value) { return thickest > 0 ? (least + (most - least) * value) / thickest : 0; });
   model.thin_film_thickness =
       texture < 0 ? ScalarParameter(most * kMicrometres) : ScalarParameter(thickest * kMicrometres, texture);
+}
+
+Materials::Factor Materials::factor(const Value& place, std::string_view key, float otherwise,
+                                    std::string_view texture_key, TextureChannel channel) const {
+  return {within(place, key, place.number_or(key, otherwise), 0, 1), place[texture_key], channel};
+}
+
+ScalarParameter Materials::parameter(const Factor& factor) {
+  return {factor.value, textures_.data(factor.info, factor.channel)};
 }
 
 ScalarParameter Materials::share(const Value& place, std::string_view key, float otherwise,

@@ -36,12 +36,29 @@ class Materials {
   std::uint32_t tinted(const Use& use, const VertexTint& tint);
 
  private:
-  // Parameters of OpenPBR.
-  struct Anisotropic {
-    float ratio = 0, roughness = 0;
+  // A number of the file, times a channel of a texture.
+  struct Factor {
+    float value = 0;
+    Value info{};  // absent: no texture
+    TextureChannel channel = TextureChannel::kColor;
+
+    Textures::Input input() const { return {value > 0 ? info : Value(), {ColorSpace::kLinear, channel}}; }
   };
-  // Of the strength of glTF, from 0 to 1, and the roughness across the highlight.
-  static Anisotropic anisotropic(float alpha, float strength);
+  // What the roughness of a layer depends on, in terms of glTF.
+  struct LayerRoughness {
+    Factor roughness;
+    bool is_glossiness = false;  // 1 - roughness
+    Factor strength{};           // of anisotropy
+    // OpenPBR's coat above blurs the layer, which glTF's does not.
+    Factor coat_weight{}, coat_roughness{};
+
+    bool is_blurred() const { return coat_weight.value > 0 && coat_roughness.value > 0; }
+    std::string name() const;  // differs where the same textures give another roughness
+  };
+  // In terms of OpenPBR.
+  struct Roughness {
+    ScalarParameter roughness, anisotropy = 0;
+  };
   // Of an angle in radians, in [-1/2, 1/2].
   static float turns_of(float radians);
 
@@ -49,14 +66,20 @@ class Materials {
   Material surface(const Value& material);
   Principled principled(const Value& material);
   std::uint32_t with_diffuse_transmission(const Value& material, const Value& extension);
-  void add_metallic_roughness(const Value& place, Principled& model);
+  void add_metalness(const Value& place, Principled& model);
   void add_specular_glossiness(const Value& extension, Principled& model);
   void add_specular(const Value& extension, Principled& model);
   void add_transmission(const Value& material, Principled& model);
-  void add_anisotropy(const Value& extension, Principled& model);
+  void add_anisotropy_direction(const Value& extension, Principled& model);
+  void add_roughness(const Value& material, Principled& model);
+  Roughness roughness_of(const Value& place, const LayerRoughness& layer);
+  void keep_index_below_coat(const Value& extension, const Factor& coat_weight, Principled& model);
   void add_coat(const Value& material, Principled& model);
+  Factor clearcoat_weight(const Value& extension) const;
+  Factor clearcoat_roughness(const Value& extension) const;
   void set_coat_normal(const Value& material, const Value& info, Principled& model);
   void add_diffuse_roughness(const Value& extension, Principled& model);
+  void add_clearcoat(const Value& material, Principled& model);
   void add_openpbr_coat(const Value& material, Principled& model);
   void add_fuzz(const Value& extension, Principled& model);
   void add_sheen(const Value& extension, Principled& model);
@@ -69,6 +92,10 @@ class Materials {
   void add_emission(const Value& material, Material& surface);
   std::uint32_t add(const Value& material, Material surface);
 
+  // A number from 0 to 1, clamped with a warning, with the texture of `texture_key`.
+  Factor factor(const Value& place, std::string_view key, float otherwise, std::string_view texture_key,
+                TextureChannel channel) const;
+  ScalarParameter parameter(const Factor& factor);
   // A number or colour from 0 to 1, clamped with a warning, times a texture.
   ScalarParameter share(const Value& place, std::string_view key, float otherwise, int texture = -1) const;
   // `value`, which the key gives, within limits; told if it was outside.

@@ -15,24 +15,21 @@ void Materials::add_diffuse_roughness(const Value& extension, Principled& model)
 void Materials::add_openpbr_coat(const Value& material, Principled& model) {
   const Value extension = material.extension("KHR_materials_coat");
   if (!(extension.number_or("coatFactor", 0) > 0)) return;
-  model.coat_weight =
-      share(extension, "coatFactor", 0, textures_.data(extension["coatTexture"], TextureChannel::kRed));
-  model.coat_roughness = share(extension, "coatRoughnessFactor", 0,
-                               textures_.data(extension["coatRoughnessTexture"], TextureChannel::kGreen));
+  const Factor weight = factor(extension, "coatFactor", 0, "coatTexture", TextureChannel::kRed);
+  model.coat_weight = parameter(weight);
   model.coat_ior = within(extension, "coatIor", extension.number_or("coatIor", 1.5f), 1, kMaxIor);
   model.coat_color =
       tint(extension, "coatColorFactor", Rgb::gray(1), textures_.color(extension["coatColorTexture"]));
   model.coat_darkening = share(extension, "coatDarkeningFactor", 1);
-  const float strength =
+  LayerRoughness coat;
+  coat.roughness =
+      factor(extension, "coatRoughnessFactor", 0, "coatRoughnessTexture", TextureChannel::kGreen);
+  coat.strength.value =
       within(extension, "coatAnisotropyStrength", extension.number_or("coatAnisotropyStrength", 0), 0, 1);
-  if (strength > 0 && model.coat_roughness.texture < 0) {
-    const float roughness = model.coat_roughness.value;
-    const Anisotropic made = anisotropic(roughness * roughness, strength);
-    model.coat_roughness = made.roughness;
-    model.coat_roughness_anisotropy = made.ratio;
-  } else if (strength > 0) {
-    document_.warn(extension, "coat anisotropy", "a coat with a texture of its roughness has no anisotropy");
-  }
+  const Roughness made = roughness_of(extension, coat);
+  model.coat_roughness = made.roughness;
+  model.coat_roughness_anisotropy = made.anisotropy;
+  keep_index_below_coat(extension, weight, model);
   for (const char* key : {"coatDarkeningTexture", "coatAnisotropyTexture"})
     if (extension[key].exists()) document_.warn(extension[key], key, "is not supported; it is ignored");
   model.coat_tangent.rotation = turns_of(extension.number_or("coatAnisotropyRotation", 0));

@@ -7,9 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "core/image/srgb.hpp"
 #include "core/math/elementary.hpp"
 #include "core/scene/gltf/uri.hpp"
 #include "core/scene/loader/wording.hpp"
+#include "core/textures/image_decoder.hpp"
 
 namespace tessera::core::gltf {
 namespace {
@@ -46,16 +48,47 @@ void apply_transform(const Value& transform, Texture& texture, const Document& d
   texture.offset = {uv + t.x, 1 - vv - t.y};
 }
 
-// An image of the converted values in 8 bits.
-TextureImage apply_curve(const TextureImage& source, const Textures::Curve& curve) {
+// Texel centres of an image.
+Vec2 uv_of(int x, int y, TextureSize size) {
+  return {(static_cast<float>(x) + 0.5f) / static_cast<float>(size.width),
+          1 - (static_cast<float>(y) + 0.5f) / static_cast<float>(size.height)};
+}
+
+// The size of the largest image along each axis.
+TextureSize common_size(const std::vector<SceneBuilder::Image>& images) {
+  TextureSize size{1, 1};
+  for (const auto& image : images)
+    if (image) size = {std::max(size.width, image->width()), std::max(size.height, image->height())};
+  return size;
+}
+
+Rgb texel_at(const TextureImage* image, int x, int y, TextureSize size) {
+  if (image == nullptr) return Rgb::gray(1);
+  if (image->width() == size.width && image->height() == size.height) return image->texel(x, y);
+  return image->bilinear(uv_of(x, y, size), Wrap::kRepeat, Wrap::kRepeat);
+}
+
+void append(std::vector<std::uint8_t>& bytes, Rgb color, ColorSpace space) {
+  for (const float value : {color.r, color.g, color.b}) {
+    const float kept = std::clamp(value, 0.0f, 1.0f);
+    bytes.push_back(space == ColorSpace::kSrgb ? srgb_encode(kept)
+                                               : static_cast<std::uint8_t>(kept * 255 + 0.5f));
+  }
+}
+
+// An image of 8 bits.
+TextureImage combine_texels(const std::vector<SceneBuilder::Image>& images, ColorSpace space,
+                            const Textures::Combine& combine) {
+  const TextureSize size = common_size(images);
   std::vector<std::uint8_t> bytes;
-  bytes.reserve(3 * static_cast<std::size_t>(source.width()) * static_cast<std::size_t>(source.height()));
-  for (int y = 0; y < source.height(); ++y)
-    for (int x = 0; x < source.width(); ++x) {
-      const float value = std::clamp(curve(source.texel(x, y).r), 0.0f, 1.0f);
-      bytes.insert(bytes.end(), 3, static_cast<std::uint8_t>(value * 255 + 0.5f));
+  bytes.reserve(3 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
+  std::vector<Rgb> texels(images.size());
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      for (std::size_t i = 0; i < images.size(); ++i) texels[i] = texel_at(images[i].get(), x, y, size);
+      append(bytes, combine(texels), space);
     }
-  return {source.width(), source.height(), bytes, ColorSpace::kLinear};
+  return {size.width, size.height, bytes, space};
 }
 
 }  // namespace
@@ -161,27 +194,57 @@ int Textures::add(const Value& info, const ImageUse& use) {
 
 int Textures::converted(const Value& info, TextureChannel channel, const std::string& name,
                         const Curve& curve) {
-  int added = -1;
-  if (info.exists())
-    document_.try_to(info, "texture", "the texture is ignored",
-                     [&] { added = add_converted(info, channel, name, curve); });
-  return added;
+  return combined({{info, {ColorSpace::kLinear, channel}}}, ColorSpace::kLinear, name,
+                  [&curve](const std::vector<Rgb>& texels) { return Rgb::gray(curve(texels[0].r)); });
 }
 
-int Textures::add_converted(const Value& info, TextureChannel channel, const std::string& name,
-                            const Curve& curve) {
-  const std::string key =
-      fmt::format("{}, channel {}, {}", image_of(document_.element("textures", info["index"])).path(),
-                  static_cast<int>(channel), name);
-  auto known = converted_.find(key);
-  if (known == converted_.end()) {
-    const auto source = image(info, {ColorSpace::kLinear, channel});
-    if (!source) return -1;
-    auto made = document_.builder().image_pixels(key, apply_curve(**source, curve));
-    if (!made) info.refuse(made.error().message, made.error().code);
-    known = converted_.emplace(key, std::move(*made)).first;
+int Textures::combined(const std::vector<Input>& inputs, ColorSpace space, const std::string& name,
+                       const Combine& combine) {
+  const auto images = images_of(inputs);
+  const auto first =
+      std::find_if(images.begin(), images.end(), [](const auto& image) { return image != nullptr; });
+  if (first == images.end()) return -1;
+  std::string key = name;
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    if (images[i])
+      key += fmt::format(", {} channel {}",
+                         image_of(document_.element("textures", inputs[i].info["index"])).path(),
+                         static_cast<int>(inputs[i].use.channel));
+  const Value& mapping = inputs[static_cast<std::size_t>(first - images.begin())].info;
+  auto known = combined_.find(key);
+  if (known == combined_.end()) {
+    auto made = document_.builder().image_pixels(key, combine_texels(images, space, combine));
+    if (!made) mapping.refuse(made.error().message, made.error().code);
+    known = combined_.emplace(key, std::move(*made)).first;
   }
-  return document_.builder().add_texture(with_sampler(info, known->second));
+  return document_.builder().add_texture(with_sampler(mapping, known->second));
+}
+
+// Null for inputs that do not count.
+std::vector<SceneBuilder::Image> Textures::images_of(const std::vector<Input>& inputs) {
+  std::vector<SceneBuilder::Image> images(inputs.size());
+  std::optional<Value> first;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const Value& info = inputs[i].info;
+    if (!info.exists()) continue;
+    document_.try_to(info, "texture", "the texture is ignored", [&] {
+      auto decoded = image(info, inputs[i].use);
+      if (!decoded) return;
+      if (first && !are_mapped_alike(*first, info))
+        return document_.warn(
+            info, "texture mapping",
+            fmt::format("is mapped otherwise than {}, with which it is combined; the texture "
+                        "is ignored",
+                        first->path()));
+      if (!first) first = info;
+      images[i] = std::move(*decoded);
+    });
+  }
+  return images;
+}
+
+bool Textures::are_mapped_alike(const Value& first, const Value& second) {
+  return set_of(first) == set_of(second) && with_sampler(first, nullptr) == with_sampler(second, nullptr);
 }
 
 }  // namespace tessera::core::gltf

@@ -21,6 +21,13 @@ class Textures {
  public:
   // Converts a channel's value, from 0 to 1, to another in that range.
   using Curve = std::function<float(float)>;
+  struct Input {
+    Value info;
+    ImageUse use;
+  };
+  // The texels of all inputs at a point, linear and from 0 to 1; single channels are gray. Returns a linear
+  // colour in that range.
+  using Combine = std::function<Rgb(const std::vector<Rgb>&)>;
 
   Textures(const Document& document, Buffers& buffers) : document_(document), buffers_(buffers) {}
 
@@ -41,6 +48,11 @@ class Textures {
   int data(const Value& info, TextureChannel channel) { return add(info, {ColorSpace::kLinear, channel}); }
   // A texture of the converted values of one channel. `name` distinguishes curves.
   int converted(const Value& info, TextureChannel channel, const std::string& name, const Curve& curve);
+  // A texture that depends on several, at the size of the largest. Inputs that are absent or cannot be read
+  // are white, as are, after a warning, those that are mapped otherwise than the first; -1 if all are. `name`
+  // distinguishes functions.
+  int combined(const std::vector<Input>& inputs, ColorSpace space, const std::string& name,
+               const Combine& combine);
 
   // The set of texture coordinates that a textureInfo uses.
   std::uint32_t set_of(const Value& info) const;
@@ -53,12 +65,13 @@ class Textures {
   Result<SceneBuilder::Image> decode(const Value& image, const ImageUse& use);
   Texture with_sampler(const Value& info, SceneBuilder::Image image);
   void apply_sampler(const Value& sampler, Texture& texture) const;
-  int add_converted(const Value& info, TextureChannel channel, const std::string& name, const Curve& curve);
+  std::vector<SceneBuilder::Image> images_of(const std::vector<Input>& inputs);
+  bool are_mapped_alike(const Value& first, const Value& second);
 
   const Document& document_;
   Buffers& buffers_;
-  Coordinates coordinates_;                               // of the material
-  std::map<std::string, SceneBuilder::Image> converted_;  // by the path of the image, channel and curve
+  Coordinates coordinates_;                              // of the material
+  std::map<std::string, SceneBuilder::Image> combined_;  // by the images and what is made of them
 };
 
 }  // namespace tessera::core::gltf

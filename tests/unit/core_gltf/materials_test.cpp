@@ -213,6 +213,47 @@ TEST(GltfMaterials, CoatsHaveTheirOwnNormals) {
   EXPECT_EQ(warnings_of(mapped), "");
 }
 
+// OpenPBR divides the base's index by mix(1, coat_ior, coat_weight); glTF's base reflects as in air.
+TEST(GltfMaterials, CoatsLeaveTheReflectanceOfTheBase) {
+  json material = extension("KHR_materials_clearcoat", {{"clearcoatFactor", 0.5}});
+  EXPECT_FLOAT_EQ(model_of(scene_of(material)).specular_ior.value, 1.5f * 1.25f);
+  material["extensions"]["KHR_materials_clearcoat"]["clearcoatTexture"] = texture();
+  const auto textured = scene_of(material);
+  const ScalarParameter& index = model_of(textured).specular_ior;
+  const float weight = 0.5f * 137 / 255;
+  EXPECT_NEAR(index.value * texture_value(textured, index.texture).r, 1.5f * (1 + 0.5f * weight), 5e-3f);
+  const auto draft = scene_of(extension("KHR_materials_coat", {{"coatFactor", 1}, {"coatIor", 1.75}}));
+  EXPECT_FLOAT_EQ(model_of(draft).specular_ior.value, 1.5f * 1.75f);
+  material["extensions"]["KHR_materials_transmission"] = {{"transmissionFactor", 0.5}};
+  const auto clear = scene_of(material);
+  EXPECT_EQ(model_of(clear).specular_ior.value, 1.5f);
+  EXPECT_THAT(warnings_of(clear), HasSubstr("reflects less below its coat"));
+}
+
+// OpenPBR adds twice the fourth power of the coat's roughness to that of the base.
+TEST(GltfMaterials, RoughClearcoatsLeaveTheRoughnessOfTheBase) {
+  json material =
+      extension("KHR_materials_clearcoat", {{"clearcoatFactor", 1}, {"clearcoatRoughnessFactor", 0.25}});
+  material["pbrMetallicRoughness"] = {{"roughnessFactor", 0.5}};
+  const auto even = scene_of(material);
+  EXPECT_NEAR(std::pow(model_of(even).specular_roughness.value, 4.0f) + 2 * std::pow(0.25f, 4.0f),
+              std::pow(0.5f, 4.0f), 1e-4f);
+  EXPECT_EQ(warnings_of(even), "");
+  material["extensions"]["KHR_materials_clearcoat"]["clearcoatRoughnessTexture"] = texture();
+  const auto textured = scene_of(material);
+  const float coat = 0.25f * 188 / 255,
+              base = texture_value(textured, model_of(textured).specular_roughness.texture).r;
+  EXPECT_NEAR(std::pow(base, 4.0f) + 2 * std::pow(coat, 4.0f), std::pow(0.5f, 4.0f), 1e-3f);
+  material["pbrMetallicRoughness"]["roughnessFactor"] = 0.125;
+  EXPECT_THAT(warnings_of(scene_of(material)), HasSubstr("also roughens the base"));
+}
+
+TEST(GltfMaterials, DraftsTakePrecedence) {
+  json material = extension("KHR_materials_clearcoat", {{"clearcoatFactor", 1}});
+  material["extensions"]["KHR_materials_coat"] = {{"coatFactor", 0}};
+  EXPECT_EQ(model_of(scene_of(material)).coat_weight.value, 0);
+}
+
 // Along the direction alpha is mix(0.25, 1, strength^2) = 0.4375, across it 0.25.
 TEST(GltfMaterials, AnisotropyIsARatioOfAlphas) {
   json material = extension("KHR_materials_anisotropy", {{"anisotropyStrength", 0.5}});
@@ -234,6 +275,33 @@ TEST(GltfMaterials, AnisotropyIsARatioOfAlphas) {
               5e-3f);
   EXPECT_NEAR(texture_value(textured, model.specular_roughness.texture).r, expected(along).second, 5e-3f);
   EXPECT_EQ(warnings_of(textured), "");
+}
+
+// Green of one texture is the roughness, blue of the other a factor of the strength.
+TEST(GltfMaterials, AnisotropyFollowsTexturesOfRoughness) {
+  const float alpha = std::pow(188.0f / 255, 2.0f);
+  for (const bool has_strength : {false, true}) {
+    json material = extension("KHR_materials_anisotropy", {{"anisotropyStrength", 0.5}});
+    material["pbrMetallicRoughness"] = {{"metallicRoughnessTexture", texture()}};
+    if (has_strength) material["extensions"]["KHR_materials_anisotropy"]["anisotropyTexture"] = texture();
+    const auto scene = scene_of(material);
+    const float strength = has_strength ? 0.5f * 225 / 255 : 0.5f;
+    const float ratio = alpha / (alpha + (1 - alpha) * strength * strength);
+    EXPECT_NEAR(texture_value(scene, model_of(scene).specular_roughness_anisotropy.texture).r, 1 - ratio,
+                5e-3f);
+    EXPECT_NEAR(texture_value(scene, model_of(scene).specular_roughness.texture).r,
+                std::sqrt(alpha / ratio / std::sqrt(2 / (1 + ratio * ratio))), 5e-3f);
+    EXPECT_EQ(warnings_of(scene), "");
+  }
+}
+
+TEST(GltfMaterials, CombineTexturesOfOneMapping) {
+  json material =
+      extension("KHR_materials_anisotropy", {{"anisotropyStrength", 0.5}, {"anisotropyTexture", texture()}});
+  material["extensions"]["KHR_materials_anisotropy"]["anisotropyTexture"]["extensions"] = {
+      {"KHR_texture_transform", {{"scale", {2, 2}}}}};
+  material["pbrMetallicRoughness"] = {{"metallicRoughnessTexture", texture()}};
+  EXPECT_THAT(warnings_of(scene_of(material)), HasSubstr("is mapped otherwise than"));
 }
 
 // Red and green of the texture are the direction, which the rotation turns.
