@@ -191,8 +191,8 @@ Principled Materials::principled(const Value& material) {
     add_specular_glossiness(glossiness, model);
   else
     add_metalness(material["pbrMetallicRoughness"], model);
-  add_specular(material.extension("KHR_materials_specular"), model);
   add_transmission(material, model);
+  add_specular(material.extension("KHR_materials_specular"), model);
   add_anisotropy_direction(material.extension("KHR_materials_anisotropy"), model);
   add_diffuse_roughness(material.extension("KHR_materials_diffuse_roughness"), model);
   add_coat(material, model);
@@ -208,26 +208,36 @@ void Materials::add_metalness(const Value& place, Principled& model) {
       parameter(factor(place, "metallicFactor", 1, "metallicRoughnessTexture", TextureChannel::kBlue));
 }
 
-// The extension is older than KHR_materials_specular, which replaced it.
-void Materials::add_specular_glossiness(const Value& extension, Principled& model) {
-  document_.warn(extension, "specular glossiness",
-                 "specular-glossiness is approximated by a dielectric of the specular factor's reflectance");
-  const Value info = extension["specularGlossinessTexture"];
-  const Rgb specular = clamped(extension, extension.color_or("specularFactor", Rgb::gray(1)));
-  const float strongest = max_component(specular);
-  model.specular_ior = index_of_reflectance(strongest, kMaxIor);
-  model.specular_color = {strongest > 0 ? specular / strongest : Rgb{}, textures_.color(info)};
-}
-
 void Materials::add_specular(const Value& extension, Principled& model) {
   const bool is_metal = model.base_metalness.texture < 0 && model.base_metalness.value >= 1;
   if (!extension.exists() || is_metal) return;  // metals do not depend on it
   model.specular_weight = share(extension, "specularFactor", 1,
                                 textures_.data(extension["specularTexture"], TextureChannel::kAlpha));
-  model.specular_color = tint(extension, "specularColorFactor", Rgb::gray(1),
-                              textures_.color(extension["specularColorTexture"]));
+  model.specular_color = {strong_specular_color(extension, model),
+                          textures_.color(extension["specularColorTexture"])};
   if (model.base_metalness.value > 0)
     document_.warn(extension, "specular of metal", "the specular factor also changes the metallic part");
+}
+
+// A colour above 1 raises the reflectance of the index, of which the rest is a share.
+Rgb Materials::strong_specular_color(const Value& extension, Principled& model) {
+  const Rgb color = extension.color_or("specularColorFactor", Rgb::gray(1));
+  const float strongest = max_component(color);
+  if (!(strongest > 1) || !is_finite(color)) return clamped(extension, color);
+  const float normal = normal_reflectance(model.specular_ior.value), wanted = normal * strongest;
+  if (model.transmission_weight.value > 0 && !model.geometry_thin_walled) {
+    document_.warn(extension, "strong specular",
+                   "a colour above 1 would change the refraction of what transmits; it is clamped");
+    return clamped(extension, color);
+  }
+  model.specular_ior = index_of_reflectance(std::min(wanted, 1.0f), kMaxIor);
+  const float reached = normal_reflectance(model.specular_ior.value);
+  constexpr float kVisible = 0.01f;
+  if (std::min(wanted, 1.0f) > reached + kVisible)
+    document_.warn(extension, "strong specular",
+                   fmt::format("a dielectric reflects at most {:.2f} at normal incidence", reached));
+  const auto share_of = [&](float value) { return std::clamp(normal * value / reached, 0.0f, 1.0f); };
+  return {share_of(color.r), share_of(color.g), share_of(color.b)};
 }
 
 void Materials::add_transmission(const Value& material, Principled& model) {

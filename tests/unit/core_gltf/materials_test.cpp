@@ -277,6 +277,57 @@ TEST(GltfMaterials, AnisotropyIsARatioOfAlphas) {
   EXPECT_EQ(warnings_of(textured), "");
 }
 
+// F0 = 8 * 0.04 of the strongest channel.
+TEST(GltfMaterials, SpecularColorsAboveOneRaiseTheIndex) {
+  json material = extension("KHR_materials_specular", {{"specularColorFactor", {8, 4, 0}}});
+  material["pbrMetallicRoughness"] = {{"metallicFactor", 0}};
+  const auto scene = scene_of(material);
+  const Principled& model = model_of(scene);
+  const float root = std::sqrt(0.32f);
+  EXPECT_FLOAT_EQ(model.specular_ior.value, (1 + root) / (1 - root));
+  EXPECT_NEAR(model.specular_color.value.r, 1, 1e-5f);
+  EXPECT_NEAR(model.specular_color.value.g, 0.5f, 1e-5f);
+  EXPECT_EQ(model.specular_color.value.b, 0);
+  EXPECT_EQ(warnings_of(scene), "");
+  material["extensions"]["KHR_materials_transmission"] = {{"transmissionFactor", 1}};
+  EXPECT_GT(model_of(scene_of(material)).specular_ior.value, 1.5f);  // a sheet does not refract
+  material["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", 1}};
+  const auto solid = scene_of(material);
+  EXPECT_EQ(model_of(solid).specular_ior.value, 1.5f);
+  EXPECT_THAT(warnings_of(solid), HasSubstr("would change the refraction"));
+}
+
+TEST(GltfMaterials, SpecularGlossinessIsADielectricOfItsReflectance) {
+  const auto scene = scene_of(extension(
+      "KHR_materials_pbrSpecularGlossiness",
+      {{"diffuseFactor", {1, 0.5, 0, 1}}, {"specularFactor", {0.25, 0.125, 0}}, {"glossinessFactor", 0.75}}));
+  const Principled& model = model_of(scene);
+  EXPECT_FLOAT_EQ(model.specular_ior.value, 3);
+  EXPECT_EQ(model.specular_color.value, (Rgb{1, 0.5f, 0}));
+  EXPECT_EQ(model.base_color.value, (Rgb{0.75f, 0.375f, 0}));  // diffuse (1 - max F0)
+  EXPECT_EQ(model.base_metalness.value, 0);
+  EXPECT_EQ(model.specular_roughness.value, 0.25f);
+  EXPECT_EQ(warnings_of(scene), "");
+}
+
+// Without diffuse colour F0 is that of the metal; else both mix.
+TEST(GltfMaterials, SpecularGlossinessOfMetals) {
+  const json gold{{"diffuseFactor", {0, 0, 0, 1}}, {"specularFactor", {1, 0.75, 0.25}}};
+  const auto even = scene_of(extension("KHR_materials_pbrSpecularGlossiness", gold));
+  EXPECT_EQ(model_of(even).base_metalness.value, 1);
+  EXPECT_EQ(model_of(even).base_color.value, (Rgb{1, 0.75f, 0.25f}));
+  const auto textured =
+      scene_of(extension("KHR_materials_pbrSpecularGlossiness",
+                         {{"diffuseFactor", {0.5, 0.5, 0.5, 1}}, {"specularGlossinessTexture", texture()}}));
+  const Principled& model = model_of(textured);
+  const Rgb base = texture_value(textured, model.base_color.texture);
+  const Rgb tint = texture_value(textured, model.specular_color.texture);
+  const float metal = texture_value(textured, model.base_metalness.texture).r;
+  EXPECT_NEAR(metal * base.g + (1 - metal) * 0.04f * tint.g, 0.5f, 0.05f);
+  EXPECT_NEAR((1 - metal) * base.g, 0.5f * (1 - 0.75f), 0.05f);
+  EXPECT_THAT(warnings_of(textured), HasSubstr("a mixture of a dielectric and a metal"));
+}
+
 // Green of one texture is the roughness, blue of the other a factor of the strength.
 TEST(GltfMaterials, AnisotropyFollowsTexturesOfRoughness) {
   const float alpha = std::pow(188.0f / 255, 2.0f);
