@@ -102,6 +102,7 @@ struct Principled {
   // Subsurface scattering is approximated by diffuse reflection of this colour.
   ScalarParameter subsurface_weight = 0;
   ColorParameter subsurface_color{Rgb::gray(0.8f)};
+  float subsurface_scatter_anisotropy = 0;  // from -1 to 1; a sheet transmits (1 + it) / 2 of that light
   ScalarParameter specular_weight = 1;
   ColorParameter specular_color{Rgb::gray(1)};
   ScalarParameter specular_roughness = 0.3f;
@@ -314,10 +315,10 @@ inline bool disperses(const MaterialModel& model) {
   return principled != nullptr && disperses(*principled);
 }
 
-// Whether light scatters below the surface, which is approximated.
+// Whether light scatters below the surface, which is approximated; exact in sheets.
 inline bool has_subsurface(const MaterialModel& model) {
   const auto* principled = std::get_if<Principled>(&model);
-  return principled != nullptr &&
+  return principled != nullptr && !principled->geometry_thin_walled &&
          (principled->subsurface_weight.texture >= 0 || principled->subsurface_weight.value > 0);
 }
 

@@ -202,7 +202,9 @@ class PrincipledClosure {
       closure_.template add<kBoundaryFilmSlot>(covered, film_over(RgbOf<T>::gray(normal_reflectance(eta))),
                                                tint, Below{T(1.0f)});
     const RgbOf<T> below = share(&Principled::subsurface_color) * subsurface_;
-    const RgbOf<T> transmitted = select(thin_, below * 0.5f, RgbOf<T>{});
+    // OpenPBR 1.1, section "Thin-walled case".
+    const T forward = model_.number(&Principled::subsurface_scatter_anisotropy);
+    const RgbOf<T> transmitted = select(thin_, below * ((1 + forward) * 0.5f), RgbOf<T>{});
     closure_.template add<kDiffuseSlot>(
         opaque,
         DiffuseLobe<T>(unit(base_color_ * (1 - subsurface_) + below - transmitted),

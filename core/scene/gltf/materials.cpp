@@ -75,19 +75,12 @@ Materials::Use Materials::convert(const Value& material) {
   if (!mode.empty() && mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
     document_.warn(material["alphaMode"], "alpha mode",
                    fmt::format("there is no alpha mode {}; the material is opaque", in_quotes(mode)));
-  const Value transmission = material.extension("KHR_materials_diffuse_transmission");
   use.value = material;
   use.coordinate_names = coordinate_names(material);
   if (alpha_mode(material) == AlphaMode::kMask) use.max_tints = kMaxMaskTints;
   use.transparent = alpha_mode(material) != AlphaMode::kOpaque;
   use.unlit = material.extension("KHR_materials_unlit").exists();
-  if (use.unlit) {
-    use.material = add(material, unlit(material));
-  } else if (transmission.number_or("diffuseTransmissionFactor", 0) > 0) {
-    use.material = with_diffuse_transmission(material, transmission);
-  } else {
-    use.material = add(material, surface(material));
-  }
+  use.material = add(material, use.unlit ? unlit(material) : surface(material));
   use.coordinates = textures_.coordinates();
   return use;
 }
@@ -96,28 +89,6 @@ std::uint32_t Materials::add(const Value& material, Material surface) {
   surface.name = printable(material.text("name"));
   if (surface.name.empty()) surface.name = material.exists() ? material.path() : "default";
   return document_.builder().add_material(std::move(surface));
-}
-
-// A blend of the surface and of one that transmits only.
-std::uint32_t Materials::with_diffuse_transmission(const Value& material, const Value& extension) {
-  const ColorParameter color = tint(extension, "diffuseTransmissionColorFactor", Rgb::gray(1),
-                                    textures_.color(extension["diffuseTransmissionColorTexture"]));
-  const ScalarParameter weight =
-      share(extension, "diffuseTransmissionFactor", 0,
-            textures_.data(extension["diffuseTransmissionTexture"], TextureChannel::kAlpha));
-  document_.warn(extension, "diffuse transmission",
-                 "diffuse transmission replaces a part of the whole surface, with its highlight");
-  Material whole = surface(material);
-  Material reflecting = whole, transmitting = whole;
-  for (Material* part : {&reflecting, &transmitting}) {
-    part->emission = {Rgb{}};
-    part->opacity = 1;
-  }
-  transmitting.model = DiffuseTransmission{{Rgb{}}, color};
-  const std::uint32_t first = add(material, std::move(reflecting));
-  const std::uint32_t second = add(material, std::move(transmitting));
-  whole.model = Blend{first, second, weight};
-  return add(material, std::move(whole));
 }
 
 Material Materials::surface(const Value& material) {
@@ -192,6 +163,7 @@ Principled Materials::principled(const Value& material) {
   else
     add_metalness(material["pbrMetallicRoughness"], model);
   add_transmission(material, model);
+  add_diffuse_transmission(material, model);
   add_specular(material.extension("KHR_materials_specular"), model);
   add_anisotropy_direction(material.extension("KHR_materials_anisotropy"), model);
   add_diffuse_roughness(material.extension("KHR_materials_diffuse_roughness"), model);
@@ -268,6 +240,28 @@ void Materials::add_transmission(const Value& material, Principled& model) {
     document_.warn(dispersion, "dispersion", "only volumes with a thickness have dispersion; it is ignored");
   else
     model.transmission_dispersion = {.scale = strength, .abbe_number = 20};
+}
+
+// OpenPBR's subsurface scattering of a sheet, all of it forwards.
+void Materials::add_diffuse_transmission(const Value& material, Principled& model) {
+  const Value extension = material.extension("KHR_materials_diffuse_transmission");
+  const ScalarParameter& clear = model.transmission_weight;
+  const bool is_covered = clear.texture < 0 && clear.value >= 1;
+  if (!(extension.number_or("diffuseTransmissionFactor", 0) > 0) || is_covered) return;
+  if (clear.value > 0 && !model.geometry_thin_walled)
+    return document_.warn(extension, "diffuse transmission",
+                          "a solid that partly transmits has no diffuse transmission; it is ignored");
+  const Value volume = material.extension("KHR_materials_volume");
+  if (volume.number_or("thicknessFactor", 0) > 0)
+    document_.warn(volume, "diffuse volume",
+                   "a volume with diffuse transmission becomes a sheet, which does not absorb");
+  model.subsurface_weight =
+      share(extension, "diffuseTransmissionFactor", 0,
+            textures_.data(extension["diffuseTransmissionTexture"], TextureChannel::kAlpha));
+  model.subsurface_color = tint(extension, "diffuseTransmissionColorFactor", Rgb::gray(1),
+                                textures_.color(extension["diffuseTransmissionColorTexture"]));
+  model.subsurface_scatter_anisotropy = 1;
+  model.geometry_thin_walled = true;
 }
 
 // Both count from growing u counter-clockwise, towards growing v as v points upwards here.

@@ -65,7 +65,7 @@ class Materials {
   Use convert(const Value& material);
   Material surface(const Value& material);
   Principled principled(const Value& material);
-  std::uint32_t with_diffuse_transmission(const Value& material, const Value& extension);
+  void add_diffuse_transmission(const Value& material, Principled& model);
   void add_metalness(const Value& place, Principled& model);
   void add_specular_glossiness(const Value& extension, Principled& model);
   void add_specular(const Value& extension, Principled& model);

@@ -57,6 +57,7 @@ inline constexpr Domain kTangentTurns{.range = {.min = -1, .max = 1}, .definitio
 inline constexpr Domain kNotNegative{.range = ranges::kNotNegative};
 inline constexpr Domain kPositive{.range = ranges::kPositive};
 inline constexpr Domain kUnit{.range = ranges::kUnit};
+inline constexpr Domain kScatterAnisotropy{.range = {.min = -1, .max = 1}};
 inline constexpr Domain kStrength{.range = {.min = -100, .max = 100}};
 inline constexpr Domain kCoordinate{.range = ranges::kCoordinate, .values = "a number"};
 

@@ -386,15 +386,25 @@ TEST(GltfMaterials, ThatAreUnlitEmitTheirColor) {
   EXPECT_THAT(warnings_of(scene), HasSubstr("an unlit surface is rendered as one that emits its colour"));
 }
 
-TEST(GltfMaterials, BlendWithDiffuseTransmission) {
-  const auto scene = scene_of(
+// Below the gloss, in place of a part of the diffuse reflection.
+TEST(GltfMaterials, TransmitDiffuselyAsSheets) {
+  json material =
       extension("KHR_materials_diffuse_transmission",
-                {{"diffuseTransmissionFactor", 0.25}, {"diffuseTransmissionColorFactor", {0.5, 1, 0}}}));
-  const auto& blend = std::get<Blend>(scene.materials[mesh_of(scene).triangle_materials[0]].model);
-  EXPECT_EQ(blend.weight.value, 0.25f);
-  EXPECT_TRUE(std::holds_alternative<Principled>(scene.materials[blend.first].model));
-  EXPECT_EQ(std::get<DiffuseTransmission>(scene.materials[blend.second].model).transmittance.value,
-            (Rgb{0.5f, 1, 0}));
+                {{"diffuseTransmissionFactor", 0.25}, {"diffuseTransmissionColorFactor", {0.5, 1, 0}}});
+  material["pbrMetallicRoughness"] = {{"metallicFactor", 0}};
+  const auto scene = scene_of(material);
+  const Principled& model = model_of(scene);
+  EXPECT_EQ(model.subsurface_weight.value, 0.25f);
+  EXPECT_EQ(model.subsurface_color.value, (Rgb{0.5f, 1, 0}));
+  EXPECT_EQ(model.subsurface_scatter_anisotropy, 1);
+  EXPECT_TRUE(model.geometry_thin_walled);
+  EXPECT_EQ(warnings_of(scene), "");
+  material["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", 1}};
+  EXPECT_THAT(warnings_of(scene_of(material)), HasSubstr("becomes a sheet, which does not absorb"));
+  material["extensions"]["KHR_materials_transmission"] = {{"transmissionFactor", 0.5}};
+  EXPECT_THAT(warnings_of(scene_of(material)), HasSubstr("has no diffuse transmission"));
+  material["extensions"]["KHR_materials_transmission"] = {{"transmissionFactor", 1}};
+  EXPECT_EQ(warnings_of(scene_of(material)), "");  // clear transmission comes first
 }
 
 TEST(GltfMaterials, SayWhatIsIgnored) {

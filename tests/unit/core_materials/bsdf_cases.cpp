@@ -70,6 +70,7 @@ Principled thin_walled() {
   model.specular_roughness = 0.6f;
   model.transmission_weight = 0.5f;
   model.subsurface_weight = 0.5f;
+  model.subsurface_scatter_anisotropy = 0.25f;
   model.geometry_thin_walled = true;
   return model;
 }

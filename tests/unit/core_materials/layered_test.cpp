@@ -48,7 +48,8 @@ struct WhiteCase {
 
 std::vector<WhiteCase> white_cases(float roughness) {
   const Principled base = white(roughness);
-  Principled metal = base, glass = base, coated = base, fuzzy = base, pane = base, rough_base = base;
+  Principled metal = base, glass = base, coated = base, fuzzy = base, pane = base, rough_base = base,
+             leaf = base;
   metal.base_metalness = 1;
   glass.transmission_weight = 1;
   coated.coat_weight = 1;
@@ -57,14 +58,18 @@ std::vector<WhiteCase> white_cases(float roughness) {
   fuzzy.fuzz_roughness = roughness;
   pane.transmission_weight = 1;
   pane.geometry_thin_walled = true;
+  leaf.subsurface_weight = 0.5f;
+  leaf.subsurface_color = {Rgb::gray(1)};
+  leaf.subsurface_scatter_anisotropy = 0.5f;
+  leaf.geometry_thin_walled = true;
   rough_base.base_diffuse_roughness = 1;
   Principled all = coated;
   all.base_metalness = 0.4f;
   all.transmission_weight = 0.3f;
   all.fuzz_weight = 0.5f;
-  return {{"glossy-diffuse", base}, {"metal", metal}, {"glass", glass}, {"glass inside", glass, false},
-          {"coated", coated},       {"fuzzy", fuzzy}, {"pane", pane},   {"rough base", rough_base},
-          {"all layers", all}};
+  return {{"glossy-diffuse", base}, {"metal", metal},   {"glass", glass}, {"glass inside", glass, false},
+          {"coated", coated},       {"fuzzy", fuzzy},   {"pane", pane},   {"rough base", rough_base},
+          {"leaf", leaf},           {"all layers", all}};
 }
 
 // Total reflection inside the roughest glass is beyond the tables' quadrature.

@@ -82,7 +82,7 @@ TEST(SceneReading, TakesLayeredMaterials) {
       "\"textures\": {\"t0\": {\"file\": \"gray.png\"}, \"t1\": {\"file\": \"gray.png\"}}",
       "\"a\": {\"type\": \"principled\", \"base_color\": {\"texture\": \"t0\"}, \"specular_ior\": 1.4, "
       "\"coat_weight\": {\"texture\": \"t1\", \"scale\": 0.5}, \"thin_film_thickness\": 2, "
-      "\"geometry_thin_walled\": true, \"sides\": \"front\"},"
+      "\"geometry_thin_walled\": true, \"subsurface_scatter_anisotropy\": -0.5, \"sides\": \"front\"},"
       "\"b\": {\"type\": \"plastic\", \"diffuse\": 0.2, \"nonlinear\": true, \"compensated\": false},"
       "\"c\": {\"type\": \"conductor\", \"eta\": [0.1, 1, 2], \"k\": 30, \"roughness\": 0.5, "
       "\"distribution\": \"beckmann\", \"masking\": \"separable\"},"
@@ -108,6 +108,7 @@ TEST(SceneReading, TakesLayeredMaterials) {
   EXPECT_EQ(principled.thin_film_thickness.value, 2);
   EXPECT_EQ(principled.specular_roughness.value, 0.3f);
   EXPECT_TRUE(principled.geometry_thin_walled);
+  EXPECT_EQ(principled.subsurface_scatter_anisotropy, -0.5f);
   EXPECT_FALSE(scene.materials[0].two_sided);
   const Plastic& plastic = std::get<Plastic>(scene.materials[1].model);
   EXPECT_EQ(plastic.diffuse.value, Rgb::gray(0.2f));
