@@ -15,7 +15,7 @@
 namespace tessera::core::gltf {
 namespace {
 
-constexpr std::array<std::string_view, 28> kKnownExtensions{
+constexpr std::array<std::string_view, 27> kKnownExtensions{
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -43,11 +43,23 @@ constexpr std::array<std::string_view, 28> kKnownExtensions{
     "KHR_meshopt_compression",
     "KHR_node_visibility",
     "KHR_texture_transform",
-    "KHR_xmp_json_ld",  // data about the file, which no image depends on
 };
 
+// Data about the file and its parts, and what happens while one plays with it.
+constexpr std::array<std::string_view, 17> kInvisibleExtensions{
+    "EXT_instance_features", "EXT_mesh_features",      "EXT_structural_metadata",  "FB_ngon_encoding",
+    "GODOT_single_root",     "KHR_audio_emitter",      "KHR_implicit_shapes",      "KHR_interactivity",
+    "KHR_node_hoverability", "KHR_node_selectability", "KHR_physics_rigid_bodies", "KHR_xmp",
+    "KHR_xmp_json_ld",       "MSFT_audio_emitter",     "OMI_audio_emitter",        "OMI_physics_body",
+    "OMI_physics_shape",
+};
+
+bool is_among(const auto& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 bool is_known_extension(std::string_view name) {
-  return std::find(kKnownExtensions.begin(), kKnownExtensions.end(), name) != kKnownExtensions.end();
+  return is_among(kKnownExtensions, name);
 }
 
 [[noreturn]] void refuse_file(std::string what) {
@@ -80,6 +92,25 @@ bool Document::knows_extension(std::string_view name) {
   return is_known_extension(name) || name == kGltfSelection;
 }
 
+bool Document::is_invisible_extension(std::string_view name) {
+  return is_among(kInvisibleExtensions, name);
+}
+
+bool Document::lists_extension(std::string_view name) const {
+  for (const auto& [key, line, list] : *json_.get_if<JsonValue::Object>()) {
+    if (key != "extensionsRequired" && key != "extensionsUsed") continue;
+    const auto* names = list.get_if<JsonValue::Array>();
+    for (std::size_t i = 0; names != nullptr && i < names->size(); ++i)
+      if (text_of(&list, i) == name) return true;
+  }
+  return false;
+}
+
+void Document::tell_unsupported_extension(const Value& place, std::string_view name) const {
+  warn(place, name,
+       fmt::format("the optional extension {} is not supported; it is ignored", in_quotes(name)));
+}
+
 std::string_view Document::split() {
   if (!gltf::is_binary(bytes_)) return bytes_;
   is_binary_ = true;
@@ -106,12 +137,11 @@ void Document::check_extensions() const {
       continue;
     for (std::size_t i = 0; i < list.get_if<JsonValue::Array>()->size(); ++i) {
       const std::string name = text_of(&list, i);
-      if (is_known_extension(name)) continue;
+      if (is_known_extension(name) || is_invisible_extension(name)) continue;
       if (key == "extensionsRequired")
         Value(&list, key, this)
             .refuse(fmt::format("needs the extension {}, which is not supported", in_quotes(name)));
-      warn(Value(&list, key, this), name,
-           fmt::format("the optional extension {} is not supported; it is ignored", in_quotes(name)));
+      tell_unsupported_extension(Value(&list, key, this), name);
     }
   }
 }

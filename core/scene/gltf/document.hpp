@@ -37,6 +37,11 @@ class Document {
 
   // Whether the extension is read.
   static bool knows_extension(std::string_view name);
+  // Whether no pixel depends on the extension, which is then ignored without a warning.
+  static bool is_invisible_extension(std::string_view name);
+  // Whether the file says that it uses or requires the extension.
+  bool lists_extension(std::string_view name) const;
+  void tell_unsupported_extension(const Value& place, std::string_view name) const;
   // Tells once, with a count, what is approximated or ignored at a place.
   void warn(const Value& place, std::string_view kind, std::string_view text) const;
   // Calls read(). What it refuses because of a mistake in the file, or a file that is missing, is told with

@@ -36,6 +36,8 @@ Transform InstanceAttributes::transform(std::size_t i) const {
 Placements placements_of(const Node& node, const Document& document, Accessors& accessors) {
   const Value extension = node.value.extension("EXT_mesh_gpu_instancing");
   Placements placements{node};
+  if (const Value colors = extension["attributes"]["_COLOR_0"]; colors.exists())
+    document.warn(colors, "colours of instances", "colours of instances are ignored");
   if (extension.exists())
     document.try_to(extension, "instances", "its mesh is shown once, where the node is",
                     [&] { placements.attributes = instance_attributes(extension["attributes"], accessors); });

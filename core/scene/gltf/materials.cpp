@@ -169,8 +169,11 @@ Principled Materials::principled(const Value& material) {
   add_diffuse_roughness(material.extension("KHR_materials_diffuse_roughness"), model);
   add_coat(material, model);
   add_roughness(material, model);
-  add_sheen(material.extension("KHR_materials_sheen"), model);
-  add_fuzz(material.extension("KHR_materials_fuzz"), model);
+  // The draft takes precedence, even without weight.
+  if (const Value fuzz = material.extension("KHR_materials_fuzz"); fuzz.exists())
+    add_fuzz(fuzz, model);
+  else
+    add_sheen(material.extension("KHR_materials_sheen"), model);
   add_iridescence(material.extension("KHR_materials_iridescence"), model);
   return model;
 }
@@ -326,6 +329,9 @@ void Materials::add_sheen(const Value& extension, Principled& model) {
 
 void Materials::add_iridescence(const Value& extension, Principled& model) {
   if (!(extension.number_or("iridescenceFactor", 0) > 0)) return;
+  if (model.transmission_weight.value > 0)
+    document_.warn(extension, "iridescent transmission",
+                   "iridescence does not change what a transmissive surface reflects");
   model.thin_film_weight = share(extension, "iridescenceFactor", 0,
                                  textures_.data(extension["iridescenceTexture"], TextureChannel::kRed));
   model.thin_film_ior =

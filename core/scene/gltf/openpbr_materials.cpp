@@ -8,7 +8,7 @@ void Materials::add_diffuse_roughness(const Value& extension, Principled& model)
   if (!extension.exists()) return;
   model.base_diffuse_roughness =
       share(extension, "diffuseRoughnessFactor", 0,
-            textures_.data(extension["diffuseRoughnessTexture"], TextureChannel::kAlpha));
+            textures_.data(extension["diffuseRoughnessTexture"], TextureChannel::kRed));
 }
 
 // KHR_materials_clearcoat with the rest of OpenPBR's coat.

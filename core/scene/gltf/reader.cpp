@@ -158,7 +158,11 @@ std::vector<MeshPose> SceneReader::poses_of(const Node& node, const Value& mesh,
 void SceneReader::add_mesh(const Node& node, const Value& mesh) {
   const std::string name = name_of(node.value);
   const std::vector<JointMaps> joints = joints_of(node);
-  if (!joints.empty()) return add_meshes(mesh, poses_of(node, mesh, joints), name, nullptr, std::nullopt);
+  if (!joints.empty()) {
+    if (const Value instances = node.value.extension("EXT_mesh_gpu_instancing"); instances.exists())
+      document_.warn(instances, "instances of skins", "a mesh with a skin is shown once, without instances");
+    return add_meshes(mesh, poses_of(node, mesh, joints), name, nullptr, std::nullopt);
+  }
   const bool shared = is_shared(node);
   const Placements placements = placements_of(node, document_, accessors_);
   count_instances(node, placements.count());

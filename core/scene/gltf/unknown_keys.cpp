@@ -133,8 +133,6 @@ constexpr std::string_view kKnownKeys[] = {"accessors",
                                            "orthographic",
                                            "outerConeAngle",
                                            "output",
-                                           "packet",
-                                           "packets",
                                            "parameters",
                                            "path",
                                            "pbrMetallicRoughness",
@@ -194,7 +192,7 @@ constexpr std::string_view kKnownKeys[] = {"accessors",
 static_assert(std::is_sorted(std::begin(kKnownKeys), std::end(kKnownKeys)));
 
 // Objects whose keys are names.
-constexpr std::string_view kNamedMembers[] = {"attributes", "extras", "packets", "targets"};
+constexpr std::string_view kNamedMembers[] = {"attributes", "extras", "targets"};
 
 bool is_one_of(const auto& words, std::string_view word) {
   return std::find(std::begin(words), std::end(words), word) != std::end(words);
@@ -240,12 +238,17 @@ class UnknownKeys {
     document_.warn(place, "unknown key " + key, "this key is not known, and ignored" + similar->second);
   }
 
-  // Those that are not read are told by check_extensions().
+  // check_extensions() tells those that the file lists.
   void tell_in_extensions(const Value& place, const JsonValue& json) {
     const auto* members = json.get_if<JsonValue::Object>();
-    for (std::size_t i = 0; members != nullptr && i < members->size(); ++i)
-      if (Document::knows_extension((*members)[i].key))
-        tell_in(child_of(place, (*members)[i]), (*members)[i].value);
+    for (std::size_t i = 0; members != nullptr && i < members->size(); ++i) {
+      const auto& [name, line, value] = (*members)[i];
+      const Value extension = child_of(place, (*members)[i]);
+      if (Document::knows_extension(name))
+        tell_in(extension, value);
+      else if (!Document::is_invisible_extension(name) && !document_.lists_extension(name))
+        document_.tell_unsupported_extension(extension, name);
+    }
   }
 
   const Document& document_;

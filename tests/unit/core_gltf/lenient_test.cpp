@@ -233,6 +233,42 @@ struct ReplacedValue {
   const char* warning;
 };
 
+TEST(GltfExtensions, ThatAreNotListedAreTold) {
+  GltfFile file;
+  file.node({{"mesh", file.triangle()}, {"extensions", {{"MSFT_lod", {{"ids", {1}}}}}}});
+  const auto scene = load_gltf(file.text());
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_THAT(test::warnings_of(*scene), HasSubstr("the optional extension 'MSFT_lod' is not supported"));
+}
+
+TEST(GltfExtensions, WithoutInfluenceOnImagesMayBeRequired) {
+  GltfFile file;
+  file.node(
+      {{"mesh", file.triangle()},
+       {"extensions", {{"KHR_node_selectability", {{"selectable", false}}}, {"KHR_xmp", {{"xmp", 0}}}}}});
+  file.json["extensionsRequired"] = {"KHR_node_selectability", "EXT_mesh_features", "GODOT_single_root"};
+  const auto scene = load_gltf(file.text());
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(test::warnings_of(*scene), "");
+}
+
+TEST(GltfExtensions, InstancesWithColorsOrSkinsAreTold) {
+  GltfFile file;
+  const int places = file.floats("VEC3", {0, 0, 0, 1, 0, 0}),
+            colors = file.floats("VEC3", {1, 0, 0, 0, 1, 0});
+  const json instances{
+      {"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", places}, {"_COLOR_0", colors}}}}}};
+  file.node({{"mesh", file.triangle()}, {"extensions", instances}});
+  const auto scene = load_gltf(file.text());
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_THAT(test::warnings_of(*scene), HasSubstr("colours of instances are ignored"));
+  file.json["skins"] = {{{"joints", {0}}}};
+  file.json["nodes"][0]["skin"] = 0;
+  const auto skinned = load_gltf(file.text());
+  ASSERT_TRUE(skinned) << skinned.error().message;
+  EXPECT_THAT(test::warnings_of(*skinned), HasSubstr("a mesh with a skin is shown once"));
+}
+
 TEST(GltfReplacedValues, OfMaterials) {
   const std::vector<ReplacedValue> table{
       {{{"alphaMode", "CUTOUT"}},

@@ -197,6 +197,13 @@ TEST(GltfMaterials, DraftsThatNameParametersOfOpenPbr) {
   EXPECT_NEAR(stretched.coat_tangent.rotation.value, 0.25, 1e-6);
 }
 
+TEST(GltfMaterials, DiffuseRoughnessIsRed) {
+  const auto scene =
+      scene_of(extension("KHR_materials_diffuse_roughness",
+                         {{"diffuseRoughnessFactor", 1}, {"diffuseRoughnessTexture", texture()}}));
+  EXPECT_NEAR(texture_value(scene, model_of(scene).base_diffuse_roughness.texture).r, 137.0f / 255, 5e-3f);
+}
+
 TEST(GltfMaterials, CoatsHaveTheirOwnNormals) {
   json material = extension("KHR_materials_clearcoat", {{"clearcoatFactor", 1}});
   EXPECT_EQ(model_of(scene_of(material)).geometry_coat_normal.texture, -1);
@@ -251,7 +258,11 @@ TEST(GltfMaterials, RoughClearcoatsLeaveTheRoughnessOfTheBase) {
 TEST(GltfMaterials, DraftsTakePrecedence) {
   json material = extension("KHR_materials_clearcoat", {{"clearcoatFactor", 1}});
   material["extensions"]["KHR_materials_coat"] = {{"coatFactor", 0}};
-  EXPECT_EQ(model_of(scene_of(material)).coat_weight.value, 0);
+  material["extensions"]["KHR_materials_sheen"] = {{"sheenColorFactor", {1, 1, 1}}};
+  material["extensions"]["KHR_materials_fuzz"] = {{"fuzzFactor", 0}};
+  const auto scene = scene_of(material);
+  EXPECT_EQ(model_of(scene).coat_weight.value, 0);
+  EXPECT_EQ(model_of(scene).fuzz_weight.value, 0);
 }
 
 // Along the direction alpha is mix(0.25, 1, strength^2) = 0.4375, across it 0.25.
@@ -413,6 +424,9 @@ TEST(GltfMaterials, SayWhatIsIgnored) {
   json dispersive = extension("KHR_materials_transmission", {{"transmissionFactor", 1}});
   dispersive["extensions"]["KHR_materials_dispersion"] = {{"dispersion", 1}};
   EXPECT_THAT(warning(dispersive), HasSubstr("only volumes with a thickness have dispersion"));
+  json film = extension("KHR_materials_transmission", {{"transmissionFactor", 1}});
+  film["extensions"]["KHR_materials_iridescence"] = {{"iridescenceFactor", 1}};
+  EXPECT_THAT(warning(film), HasSubstr("iridescence does not change what a transmissive surface reflects"));
   EXPECT_THAT(warning({{"pbrMetallicRoughness", {{"metallicFactor", 2}}}}),
               HasSubstr("materials[0].pbrMetallicRoughness.metallicFactor: must be between 0 and 1"));
   GltfFile missing = file_with({{"emissiveFactor", {1, 1, 1}}, {"emissiveTexture", texture()}});
