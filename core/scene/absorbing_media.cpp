@@ -21,6 +21,10 @@ float absorption(float transmittance, float depth) {
 
 }  // namespace
 
+Rgb absorption_of(Rgb color, float depth) {
+  return {absorption(color.r, depth), absorption(color.g, depth), absorption(color.b, depth)};
+}
+
 void add_absorbing_media(std::vector<Material>& materials, std::vector<MediumDescription>& media) {
   const auto first_added = static_cast<int>(media.size());
   const auto is_added = [&](const Material& material) { return material.media.interior >= first_added; };
@@ -34,11 +38,9 @@ void add_absorbing_media(std::vector<Material>& materials, std::vector<MediumDes
     }
     const auto* solid = std::get_if<Principled>(&material.model);
     if (solid == nullptr || !absorbs_inside(*solid) || material.media.interior != kNoMedium) continue;
-    const float depth = solid->transmission_depth.value;
-    const Rgb color = solid->transmission_color.value;
     MediumDescription medium;
     medium.name = material.name;
-    medium.sigma_a = {absorption(color.r, depth), absorption(color.g, depth), absorption(color.b, depth)};
+    medium.sigma_a = absorption_of(solid->transmission_color.value, solid->transmission_depth.value);
     material.media.interior = static_cast<int>(media.size());
     media.push_back(std::move(medium));
   }

@@ -5,9 +5,13 @@
 #include <vector>
 
 #include "core/materials/material.hpp"
+#include "core/math/rgb.hpp"
 #include "core/media/medium_description.hpp"
 
 namespace tessera::core {
+
+// The absorption, for each unit of length, by which light has that colour at that depth above 0 (Beer's law).
+Rgb absorption_of(Rgb color, float depth);
 
 // Fills each material that absorbs_inside() and names no media of its own with a medium in which light has
 // the transmission colour at the transmission depth (Beer's law). The scene must be valid.

@@ -9,14 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "core/scene/absorbing_media.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core::gltf {
 namespace {
-
-bool is_constant_white(const ColorParameter& color) {
-  return color.texture < 0 && color.value == Rgb::gray(1);
-}
 
 enum class AlphaMode { kOpaque, kMask, kBlend };
 
@@ -63,7 +60,9 @@ std::uint32_t Materials::tinted(const Use& use, const VertexTint& tint) {
   Material changed = document_.builder().material(use.material);
   textures_.continue_material(use.coordinates);
   changed.opacity = opacity(use.value, alpha);
-  changed.emission.value = changed.emission.value * color;
+  if (use.unlit) changed.emission.value = changed.emission.value * color;
+  if (auto* model = std::get_if<Principled>(&changed.model))
+    model->transmission_color.value = model->transmission_color.value * color;
   return tinted_.emplace(key, document_.builder().add_material(std::move(changed))).first->second;
 }
 
@@ -81,6 +80,8 @@ Materials::Use Materials::convert(const Value& material) {
   use.transparent = alpha_mode(material) != AlphaMode::kOpaque;
   use.unlit = material.extension("KHR_materials_unlit").exists();
   use.material = add(material, use.unlit ? unlit(material) : surface(material));
+  const auto* model = std::get_if<Principled>(&document_.builder().material(use.material).model);
+  use.transmits = model != nullptr && model->transmission_weight.value > 0;
   use.coordinates = textures_.coordinates();
   return use;
 }
@@ -94,6 +95,7 @@ std::uint32_t Materials::add(const Value& material, Material surface) {
 Material Materials::surface(const Value& material) {
   Material surface;
   surface.model = principled(material);
+  surface.media.interior = medium_inside(material, std::get<Principled>(surface.model));
   surface.opacity = opacity(material);
   surface.normal_map = normal_map(material["normalTexture"]);
   add_emission(material, surface);
@@ -101,6 +103,22 @@ Material Materials::surface(const Value& material) {
     document_.warn(material["occlusionTexture"], "occlusion",
                    "baked occlusion is ignored: light transport computes it");
   return surface;
+}
+
+// What attenuates light in a volume; the base colour tints the light where it crosses the boundary.
+int Materials::medium_inside(const Value& material, const Principled& model) {
+  const Value volume = material.extension("KHR_materials_volume");
+  const float distance = volume.number_or("attenuationDistance", 0);
+  if (model.geometry_thin_walled || !(model.transmission_weight.value > 0) || !(distance > 0))
+    return kNoMedium;
+  const Rgb color = clamped(volume, volume.color_or("attenuationColor", Rgb::gray(1)));
+  if (color == Rgb::gray(1)) return kNoMedium;
+  std::vector<MediumDescription>& media = document_.builder().scene().media;
+  MediumDescription medium;
+  medium.name = material.path();
+  medium.sigma_a = absorption_of(color, distance);
+  media.push_back(std::move(medium));
+  return static_cast<int>(media.size()) - 1;
 }
 
 Material Materials::unlit(const Value& material) {
@@ -226,15 +244,6 @@ void Materials::add_transmission(const Value& material, Principled& model) {
                    "the thickness of a volume is that of its geometry; the texture is ignored");
   model.geometry_thin_walled = !(volume.number_or("thicknessFactor", 0) > 0);
   model.transmission_color = model.base_color;
-  const float distance = volume.number_or("attenuationDistance", 0);
-  const Rgb color = clamped(volume, volume.color_or("attenuationColor", Rgb::gray(1)));
-  if (!model.geometry_thin_walled && distance > 0 && !(color == Rgb::gray(1))) {
-    if (!is_constant_white(model.base_color))
-      document_.warn(material, "tinted volume",
-                     "the base colour does not tint what a volume with attenuation transmits");
-    model.transmission_color = {color};
-    model.transmission_depth = distance;
-  }
   const Value dispersion = material.extension("KHR_materials_dispersion");
   // 20 over the Abbe number.
   const float strength =

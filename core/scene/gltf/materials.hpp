@@ -27,12 +27,13 @@ class Materials {
     std::vector<std::string> coordinate_names{};  // of the attributes that its textures use
     bool transparent = false;                     // its alphaMode is not OPAQUE
     bool unlit = false;                           // it has KHR_materials_unlit
+    bool transmits = false;                       // clearly, with the base colour
     std::size_t max_tints = kMaxVertexTints;
   };
   // The material of an index in the file, or the default one if it is absent or, after a warning, there is no
   // such material; each is converted once.
   Use use(const Value& index);
-  // The same material, whose alpha and emission are multiplied.
+  // The same material, whose alpha and colours of emission, if unlit, and transmission are multiplied.
   std::uint32_t tinted(const Use& use, const VertexTint& tint);
 
  private:
@@ -86,6 +87,8 @@ class Materials {
   void add_sheen(const Value& extension, Principled& model);
   void add_iridescence(const Value& extension, Principled& model);
   NormalMap normal_map(const Value& info);
+  // The index of a new medium, or kNoMedium.
+  int medium_inside(const Value& material, const Principled& model);
   Material unlit(const Value& material);
   // `vertex_alpha` multiplies alpha.
   ScalarParameter opacity(const Value& material, float vertex_alpha = 1);

@@ -273,17 +273,23 @@ void SceneReader::rest_if_emissive(Part& part) {
 // Gives triangles materials of their own where vertex colours change more than the base colour.
 void SceneReader::tint_triangles(Part& part, const Materials::Use& use) {
   tell_ignored_attributes(document_, part.primitive, use.value, use.coordinate_names);
-  const std::vector<Rgb> emitted = use.unlit ? std::exchange(part.mesh.colors, {}) : std::vector<Rgb>();
+  std::vector<Rgb> colors;
+  if (use.unlit)
+    colors = std::exchange(part.mesh.colors, {});
+  else if (use.transmits)
+    colors = part.mesh.colors;
   const std::vector<float> alphas = use.transparent ? part.alphas : std::vector<float>();
-  if (emitted.empty() && alphas.empty()) return;
-  const TriangleTints all = triangle_tints(part.mesh, emitted, alphas, use.max_tints);
+  if (colors.empty() && alphas.empty()) return;
+  const TriangleTints all = triangle_tints(part.mesh, colors, alphas, use.max_tints);
   part.mesh.triangle_materials.clear();
   for (const VertexTint& tint : all.tints)
     part.mesh.triangle_materials.push_back(materials_.tinted(use, tint));
   if (all.varies_in_triangles || all.steps > 0)
     document_.warn(part.primitive, "vertex tints",
                    fmt::format("{} of vertex colours is that of the middle of each triangle{}",
-                               use.unlit ? "the emission" : "the alpha",
+                               use.unlit       ? "the emission"
+                               : use.transmits ? "the transmission"
+                                               : "the alpha",
                                all.steps > 0 ? fmt::format(", rounded to {} steps", all.steps) : ""));
 }
 

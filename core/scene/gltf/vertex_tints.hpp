@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What vertex colours do besides multiplying base colours: their alpha multiplies the opacity, and the
-// colours of unlit surfaces what these emit. Both belong to materials, so that each triangle has one tint,
-// and a material for it. Stateless; thread-safe.
+// colours what unlit surfaces emit and clear ones transmit. All belong to materials, so that each triangle
+// has one tint, and a material for it. Stateless; thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace tessera::core::gltf {
 
-// Multiplies the opacity of a material, and what an unlit one emits.
+// Multiplies the opacity of a material, and what an unlit one emits or a clear one transmits.
 struct VertexTint {
   Rgb color = Rgb::gray(1);
   float alpha = 1;

@@ -153,8 +153,11 @@ TEST(GltfMaterials, OfExtensionsBecomeOpenPbr) {
   EXPECT_EQ(model.transmission_weight.value, 0.5f);
   EXPECT_NEAR(texture_value(scene, model.transmission_weight.texture).r, 137.0f / 255, 5e-3f);
   EXPECT_FALSE(model.geometry_thin_walled);
-  EXPECT_EQ(model.transmission_color.value, (Rgb{0.5f, 0.75f, 1}));
-  EXPECT_EQ(model.transmission_depth.value, 2);
+  EXPECT_EQ(model.transmission_color.value, Rgb::gray(1));
+  const Rgb sigma_a = scene.media.at(static_cast<std::size_t>(scene.materials[0].media.interior)).sigma_a;
+  EXPECT_NEAR(sigma_a.r, -std::log(0.5f) / 2, 1e-6f);
+  EXPECT_NEAR(sigma_a.g, -std::log(0.75f) / 2, 1e-6f);
+  EXPECT_EQ(sigma_a.b, 0);
   EXPECT_EQ(model.transmission_dispersion.inverse_abbe_number(), 0.5f / 20);
   EXPECT_EQ(model.thin_film_weight.value, 1);
   EXPECT_NEAR(model.thin_film_thickness.value, 0.5f, 1e-6f);
@@ -386,6 +389,20 @@ TEST(GltfMaterials, TransmitAsSheetsWithoutVolume) {
   const auto scene = scene_of(material);
   EXPECT_TRUE(model_of(scene).geometry_thin_walled);
   EXPECT_EQ(model_of(scene).transmission_color.value, (Rgb{0.5f, 1, 1}));
+}
+
+// The base colour at the boundary, the attenuation inside.
+TEST(GltfMaterials, TransmitThroughVolumesByBothColors) {
+  json material = extension("KHR_materials_transmission", {{"transmissionFactor", 1}});
+  material["pbrMetallicRoughness"] = {{"baseColorFactor", {0.5, 1, 1, 1}}};
+  material["extensions"]["KHR_materials_volume"] = {
+      {"thicknessFactor", 1}, {"attenuationDistance", 1}, {"attenuationColor", {1, 0.5, 1}}};
+  const auto scene = scene_of(material);
+  EXPECT_EQ(model_of(scene).transmission_color.value, (Rgb{0.5f, 1, 1}));
+  EXPECT_EQ(model_of(scene).transmission_depth.value, 0);
+  EXPECT_EQ(scene.media.at(0).sigma_a.r, 0);
+  EXPECT_NEAR(scene.media.at(0).sigma_a.g, std::log(2.0f), 1e-6f);
+  EXPECT_EQ(warnings_of(scene), "");
 }
 
 TEST(GltfMaterials, ThatAreUnlitEmitTheirColor) {

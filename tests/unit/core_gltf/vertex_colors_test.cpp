@@ -87,6 +87,21 @@ TEST(GltfVertexColors, OfUnlitSurfacesAreEmitted) {
   EXPECT_THAT(warnings_of(scene), Not(HasSubstr("vertex colours")));
 }
 
+TEST(GltfVertexColors, TintWhatIsTransmitted) {
+  const json clear{{"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}}},
+                   {"emissiveFactor", {1, 1, 1}},
+                   {"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 1, 1, 1}}}}};
+  const auto scene = loaded_triangles(clear, by_triangle({1, 0.5f, 0.25f, 1}, {0, 1, 0, 1}));
+  const auto color = [&](std::size_t triangle) {
+    return std::get<Principled>(material_of_triangle(scene, triangle).model).transmission_color.value;
+  };
+  EXPECT_EQ(color(0), (Rgb{0.5f, 0.5f, 0.25f}));
+  EXPECT_EQ(color(1), (Rgb{0, 1, 0}));
+  EXPECT_EQ(material_of_triangle(scene, 1).emission.value, Rgb::gray(1));
+  EXPECT_EQ(mesh_of(scene).colors.at(0), (Rgb{1, 0.5f, 0.25f}));
+  EXPECT_EQ(warnings_of(scene), "");
+}
+
 TEST(GltfVertexColors, AreRoundedToAFewTints) {
   MeshDescription mesh;
   std::vector<float> alphas;
