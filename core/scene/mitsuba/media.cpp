@@ -213,7 +213,6 @@ MediumConverter::Coefficient MediumConverter::coefficient(const Plugin& owner, s
   };
   if (property == nullptr) return {Rgb::gray(otherwise), {}, {}};
   if (const auto* rgb = std::get_if<Rgb>(&property->value)) return {not_negative(*rgb), {}, {}};
-  if (const auto* samples = std::get_if<Samples>(&property->value)) return {rgb_of(*samples), {}, {}};
   if (const auto* number = std::get_if<double>(&property->value))
     return {not_negative(Rgb::gray(static_cast<float>(*number))), {}, {}};
   if (const auto volume = owner.child(name)) {

@@ -194,9 +194,4 @@ void warn_of_unused(Conversion& conversion) {
   }
 }
 
-Rgb rgb_of(const Samples& samples) {
-  const Rgb rgb = to_linear_rec709(integrate_to_xyz(samples));
-  return {std::max(rgb.r, 0.0f), std::max(rgb.g, 0.0f), std::max(rgb.b, 0.0f)};
-}
-
 }  // namespace tessera::core::mitsuba

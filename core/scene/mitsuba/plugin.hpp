@@ -46,6 +46,7 @@ class Plugin {
   Kind kind() const { return node().kind; }
   const std::string& type() const { return node().type; }
   const std::string& name() const { return node().id; }  // its id
+  bool in_emitter() const { return node().in_emitter; }
   const Location& where() const { return node().where; }
   const std::string& file() const { return conversion_->graph.files[where().file]; }
   // For messages: "<bsdf type="plastic">".
@@ -105,8 +106,5 @@ std::optional<Plugin> volume_light_of(const Plugin& shape);
 
 // Warns of all properties of converted plugins that no converter has asked for.
 void warn_of_unused(Conversion& conversion);
-
-// The colour of samples as the RGB variants of Mitsuba integrate them: without an illuminant, clamped to 0.
-Rgb rgb_of(const Samples& samples);
 
 }  // namespace tessera::core::mitsuba

@@ -50,12 +50,12 @@ using NodeId = std::uint32_t;  // index in SceneGraph::nodes
 struct Child {
   NodeId node = 0;
 };
-// A spectrum given by samples; one that is constant is a number.
+// A spectrum given by samples. In properties it is the colour that it has there.
 using Samples = std::vector<spectra::SpectralSample>;
 
 struct Property {
-  using Value = std::variant<bool, std::int64_t, double, std::string, Vec3, Rgb, Samples, Transform,
-                             KeyedTransforms, Child>;
+  using Value =
+      std::variant<bool, std::int64_t, double, std::string, Vec3, Rgb, Transform, KeyedTransforms, Child>;
 
   std::string name;  // empty for objects without a name
   Location where;
@@ -69,7 +69,8 @@ struct Node {
   std::string id;    // empty without
   Location where;
   std::vector<Property> properties;
-  bool visited = false;  // whether a converter has looked at it
+  bool in_emitter = false;  // it is an emitter, or written inside of one
+  bool visited = false;     // whether a converter has looked at it
 };
 
 struct SceneGraph {

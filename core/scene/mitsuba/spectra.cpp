@@ -8,6 +8,7 @@
 
 #include "core/math/elementary.hpp"
 #include "core/scene/mitsuba/parse_values.hpp"
+#include "core/spectra/spectrum_color.hpp"
 
 namespace tessera::core::mitsuba {
 namespace {
@@ -65,7 +66,20 @@ Samples blackbody_samples(const Plugin& plugin) {
   return samples;
 }
 
+Rgb not_negative(Rgb c) {
+  return {std::max(c.r, 0.0f), std::max(c.g, 0.0f), std::max(c.b, 0.0f)};
+}
+
 }  // namespace
+
+Rgb sampled_color(const Samples& samples, bool of_light) {
+  if (!of_light) return not_negative(spectra::factor_color(samples));
+  return not_negative(spectra::to_linear_rec709(spectra::integrate_to_xyz(samples)));
+}
+
+Rgb uniform_light(double power) {
+  return spectra::to_linear_rec709({power, power, power});
+}
 
 bool is_spectrum_type(std::string_view type) {
   return type == "regular" || type == "irregular" || type == "blackbody";

@@ -180,7 +180,6 @@ std::optional<TextureConverter::Value> TextureConverter::value(const Plugin& own
   if (const auto* whole = std::get_if<std::int64_t>(&property->value))
     return Value{Rgb::gray(static_cast<float>(*whole)), {}};
   if (const auto* rgb = std::get_if<Rgb>(&property->value)) return Value{*rgb, {}};
-  if (const auto* samples = std::get_if<Samples>(&property->value)) return Value{rgb_of(*samples), {}};
   if (const auto child = owner.child(name); child && child->kind() == Kind::kTexture)
     return texture(*child, site);
   owner.warn(fmt::format("'{}' is no colour, number or texture; its default is used", name));
@@ -211,7 +210,7 @@ TextureConverter::Value TextureConverter::convert(const Plugin& plugin, const Te
   }
   if (is_spectrum_type(type)) {
     const auto samples = samples_of(plugin);
-    return {samples ? rgb_of(*samples) : Rgb::gray(kNoTexture), {}};
+    return {samples ? sampled_color(*samples, plugin.in_emitter()) : Rgb::gray(kNoTexture), {}};
   }
   plugin.warn(fmt::format("this texture is not supported; the constant {} replaces it", kNoTexture));
   return {Rgb::gray(kNoTexture), {}};

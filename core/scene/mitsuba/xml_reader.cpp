@@ -19,6 +19,7 @@
 #include "core/scene/mitsuba/parameters.hpp"
 #include "core/scene/mitsuba/parse_values.hpp"
 #include "core/scene/mitsuba/read_transform.hpp"
+#include "core/scene/mitsuba/spectra.hpp"
 
 namespace tessera::core::mitsuba {
 namespace {
@@ -74,14 +75,16 @@ class GraphReader {
   Status read_children(const Source& source, pugi::xml_node xml, NodeId owner, int nesting);
   Status read_element(const Source& source, pugi::xml_node xml, NodeId owner, int nesting);
   Result<NodeId> read_object(const Source& source, pugi::xml_node xml, const Attributes& attributes,
-                             Kind kind, int nesting);
+                             Kind kind, NodeId owner, int nesting);
   Status include(const Source& source, const Attributes& attributes, NodeId owner, Location where);
   // A value; nullopt after a warning.
   Result<std::optional<Property::Value>> read_value(const Source& source, pugi::xml_node xml,
-                                                    const Attributes& attributes, Location where);
+                                                    const Attributes& attributes, NodeId owner,
+                                                    Location where);
   Result<Transform> read_transform(const Source& source, pugi::xml_node xml);
   Result<KeyedTransforms> read_animation(const Source& source, pugi::xml_node xml);
-  std::optional<Property::Value> read_spectrum(const Attributes& attributes, Location where);
+  // The colour or the factor of light that a spectrum is for its owner.
+  std::optional<Property::Value> read_spectrum(const Attributes& attributes, NodeId owner, Location where);
   // Returns whether the tag is one of these: default, path, ref, alias.
   bool read_statement(std::string_view tag, const Source& source, const Attributes& attributes, NodeId owner,
                       Location where);
@@ -112,7 +115,8 @@ class GraphReader {
 };
 
 Result<SceneGraph> GraphReader::read() {
-  graph_.nodes.push_back({Kind::kScene, "scene", {}, {0, 1}, {}, false});
+  graph_.nodes.push_back(
+      {.kind = Kind::kScene, .type = "scene", .id = {}, .where = {0, 1}, .properties = {}});
   if (const Status done = read_file(builder_.scene_path(), 0, {}, 0); !done) return fail(done.error());
   if (const Status used = check_replaced_parameters(); !used) return fail(used.error());
   graph_.camera = parameters_.value_of(std::string(kMitsubaSelection) + std::string(kSelectCamera));
@@ -154,7 +158,7 @@ Status GraphReader::read_root(const Source& source_file, pugi::xml_node root, No
   if (*kind == Kind::kScene) return read_children(source, root, parent, 1);
   const auto attributes = attributes_of(source, root);
   if (!attributes) return fail(attributes.error());
-  const auto node = read_object(source, root, *attributes, *kind, 1);
+  const auto node = read_object(source, root, *attributes, *kind, parent, 1);
   if (!node) return fail(node.error());
   add_property(source, parent, name, where, Child{*node});
   return {};
@@ -179,25 +183,29 @@ Status GraphReader::read_element(const Source& source, pugi::xml_node xml, NodeI
   if (tag == "include") return include(source, *attributes, owner, where);
   const bool is_plugin = tag == "spectrum" && attributes->find("type") != nullptr;
   if (const auto kind = is_plugin ? std::optional(Kind::kTexture) : kind_of_tag(tag)) {
-    const auto node = read_object(source, xml, *attributes, *kind, nesting);
+    const auto node = read_object(source, xml, *attributes, *kind, owner, nesting);
     if (!node) return fail(node.error());
     add_property(source, owner, attributes->text("name"), where, Child{*node});
     return {};
   }
-  auto value = read_value(source, xml, *attributes, where);
+  auto value = read_value(source, xml, *attributes, owner, where);
   if (!value) return fail(value.error());
   if (*value) add_property(source, owner, attributes->text("name"), where, std::move(**value));
   return {};
 }
 
 Result<NodeId> GraphReader::read_object(const Source& source, pugi::xml_node xml,
-                                        const Attributes& attributes, Kind kind, int nesting) {
+                                        const Attributes& attributes, Kind kind, NodeId owner, int nesting) {
   const Location where = location(source, xml);
   if (graph_.nodes.size() >= kMaxNodes)
     return error_at(where, fmt::format("the scene has more than {} objects", kMaxNodes));
   const auto id = static_cast<NodeId>(graph_.nodes.size());
-  graph_.nodes.push_back(
-      {kind, std::string(attributes.text("type")), std::string(attributes.text("id")), where, {}, false});
+  graph_.nodes.push_back({.kind = kind,
+                          .type = std::string(attributes.text("type")),
+                          .id = std::string(attributes.text("id")),
+                          .where = where,
+                          .properties = {},
+                          .in_emitter = kind == Kind::kEmitter || graph_.nodes[owner].in_emitter});
   if (const std::string name = graph_.nodes.back().id; !name.empty() && !ids_.try_emplace(name, id).second)
     warn(where, "duplicate id",
          fmt::format("the id {} is there already; references mean the first one", in_quotes(name)));
@@ -251,7 +259,8 @@ void GraphReader::add_path(const std::string& folder, Location where) {
 }
 
 Result<std::optional<Property::Value>> GraphReader::read_value(const Source& source, pugi::xml_node xml,
-                                                               const Attributes& attributes, Location where) {
+                                                               const Attributes& attributes, NodeId owner,
+                                                               Location where) {
   const std::string_view tag = xml.name(), text = attributes.text("value");
   std::optional<Property::Value> value;
   if (tag == "transform") {
@@ -275,7 +284,7 @@ Result<std::optional<Property::Value>> GraphReader::read_value(const Source& sou
   } else if (tag == "point" || tag == "vector") {
     if (const auto vector = read_step("translate", attributes)) value = vector->origin;
   } else if (tag == "spectrum") {
-    value = read_spectrum(attributes, where);
+    value = read_spectrum(attributes, owner, where);
   } else {
     warn(where, fmt::format("element {}", tag),
          fmt::format("the element <{}> is not known; it is left out", printable(tag)));
@@ -288,22 +297,25 @@ Result<std::optional<Property::Value>> GraphReader::read_value(const Source& sou
   return value;
 }
 
-std::optional<Property::Value> GraphReader::read_spectrum(const Attributes& attributes, Location where) {
+std::optional<Property::Value> GraphReader::read_spectrum(const Attributes& attributes, NodeId owner,
+                                                          Location where) {
+  const bool of_light = graph_.nodes[owner].in_emitter;
+  const auto color_of = [&](const std::optional<Samples>& samples) -> std::optional<Property::Value> {
+    if (!samples) return std::nullopt;
+    return sampled_color(*samples, of_light);
+  };
   const std::string file(attributes.text("filename"));
   if (file.empty()) {
     const std::string_view text = attributes.text("value");
-    if (const auto constant = parse_number(text)) return *constant;
-    if (auto samples = parse_samples(text)) return std::move(*samples);
-    return std::nullopt;
+    const auto constant = parse_number(text);
+    if (!constant) return color_of(parse_samples(text));
+    return of_light ? Property::Value(uniform_light(*constant)) : Property::Value(*constant);
   }
   const auto path = builder_.find(file, graph_.folders);
   const auto text =
       path ? builder_.read(*path) : fail(ErrorCode::kNotFound, in_quotes(file) + " does not exist");
-  if (!text) {
-    warn(where, "spectrum file", text.error().message);
-    return std::nullopt;
-  }
-  if (auto samples = parse_sample_file(*text)) return std::move(*samples);
+  if (text) return color_of(parse_sample_file(*text));
+  warn(where, "spectrum file", text.error().message);
   return std::nullopt;
 }
 

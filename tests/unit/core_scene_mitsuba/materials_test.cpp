@@ -347,6 +347,31 @@ TEST(MitsubaTexture, ColorsMayBeHexadecimalOrRaw) {
             (Rgb{0.2f, 0.3f, 0.4f}));
 }
 
+void expect_gray(Rgb c, float value) {
+  for (const float channel : {c.r, c.g, c.b}) EXPECT_NEAR(channel, value, 1e-4f);
+}
+
+TEST(MitsubaTexture, SpectraOfReflectancesAreSeenUnderD65) {
+  const auto reflectance = [](const std::string& spectrum) {
+    return std::get<Lambert>(
+               material_of("<bsdf type='diffuse'><spectrum name='reflectance' " + spectrum + "</bsdf>").model)
+        .albedo.value;
+  };
+  expect_gray(reflectance("value='0.5'/>"), 0.5f);
+  expect_gray(reflectance("value='360:0.5, 830:0.5'/>"), 0.5f);
+  expect_gray(reflectance("type='irregular'><string name='wavelengths' value='360, 830'/>"
+                          "<string name='values' value='0.5, 0.5'/></spectrum>"),
+              0.5f);
+}
+
+TEST(MitsubaMedium, SpectraOfAlbedosAreSeenUnderD65) {
+  const SceneDescription scene = scene_of(
+      "<shape type='sphere'><medium name='interior' type='homogeneous'>"
+      "<volume name='albedo' type='constvolume'><spectrum name='value' value='360:0.5, 830:0.5'/></volume>"
+      "</medium></shape>");
+  expect_gray(scene.media.at(0).sigma_s, 0.5f);
+}
+
 TEST(MitsubaEmitter, DirectionalAreasEmitTheirPowerInAllDirections) {
   const Material lamp =
       material_of("<emitter type=\"directionalarea\"><rgb name=\"radiance\" value=\"6.2831853\"/></emitter>");

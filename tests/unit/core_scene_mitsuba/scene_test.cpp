@@ -129,7 +129,7 @@ TEST(MitsubaEmitter, LightsWithoutExtent) {
       "target=\"0,0,0\"/></transform>"
       "<float name=\"cutoff_angle\" value=\"40\"/><float name=\"beam_width\" value=\"10\"/></emitter>"
       "<emitter type=\"directional\"><vector name=\"direction\" value=\"0,0,-1\"/>"
-      "<spectrum name=\"irradiance\" value=\"4\"/></emitter>");
+      "<float name=\"irradiance\" value=\"4\"/></emitter>");
   ASSERT_EQ(scene.lights.size(), 3u);
   const auto& point = std::get<PointLightDescription>(scene.lights[0]);
   EXPECT_EQ(point.position, (Vec3{0, 0, 2}));
@@ -216,6 +216,19 @@ TEST(MitsubaEmitter, SamplesAreIntegratedWithoutAnIlluminant) {
   EXPECT_NEAR(equal.g, 0.9483, 2e-3);
   EXPECT_NEAR(equal.b, 0.9087, 2e-3);
   EXPECT_EQ(intensity("830:1, 360:1"), equal);
+  const Rgb uniform = intensity("2");
+  EXPECT_NEAR(uniform.r, 2 * equal.r, 4e-3);
+  EXPECT_NEAR(uniform.b, 2 * equal.b, 4e-3);
+}
+
+TEST(MitsubaEmitter, NumbersAndColorsOfLightAreAsWritten) {
+  const auto radiance = [](const std::string& inside) {
+    return scene_of("<emitter type='constant'>" + inside + "</emitter>").environment->radiance.value;
+  };
+  EXPECT_EQ(radiance("<float name='radiance' value='2'/>"), Rgb::gray(2));
+  EXPECT_EQ(radiance("<rgb name='radiance' value='2'/>"), Rgb::gray(2));
+  EXPECT_EQ(radiance("<spectrum name='radiance' type='uniform'><float name='value' value='2'/></spectrum>"),
+            Rgb::gray(2));
 }
 
 TEST(MitsubaEmitter, SpectraArePlugins) {
