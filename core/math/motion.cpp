@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "core/base/overloaded.hpp"
 #include "core/math/elementary.hpp"
@@ -108,8 +109,9 @@ PointMotion after_step(const TranslationMotion& move, const PointMotion& p, Fram
 }  // namespace
 
 Transform transform_at(const std::vector<MotionStep>& steps, float frame) {
-  Transform all;
-  for (const MotionStep& step : steps) all = compose(step_at(step, frame), all);
+  if (steps.empty()) return {};
+  Transform all = step_at(steps.front(), frame);
+  for (std::size_t i = 1; i < steps.size(); ++i) all = compose(step_at(steps[i], frame), all);
   return all;
 }
 

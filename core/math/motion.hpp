@@ -31,7 +31,8 @@ struct TranslationMotion {
 };
 using MotionStep = std::variant<Transform, ScaleMotion, TurnMotion, RotationMotion, TranslationMotion>;
 
-// The transform at a frame; the steps are applied in their order.
+// The transform at a frame; the steps are applied in their order. A single one keeps its bits, as negative
+// zeros.
 Transform transform_at(const std::vector<MotionStep>& steps, float frame);
 
 // All frames at which a parameter has a keyframe.

@@ -207,6 +207,18 @@ TEST(SceneWriter, WritesAllPartsOfAScene) {
   expect_round_trip(loaded(with_sky, {{"sky.hdr", test::hdr(test::one_color(4, 2, Rgb{0.1f, 7, 3000}))}}));
 }
 
+TEST(SceneWriter, KeepsNegativeZerosOfTransforms) {
+  SceneDescription scene =
+      loaded(test::scene_with(R"("environment": {"radiance": 1})", R"("a": {"type": "lambert"})",
+                              R"({"type": "sphere", "radius": 1, "material": "a"})"));
+  ASSERT_TRUE(scene.environment);
+  const Transform turned{{0, -0.0f, -1}, {-0.0f, 1, 0}, {1, -0.0f, 0}, {0, 0, -0.0f}};
+  scene.environment->orientation = turned;
+  scene.objects.push_back({.name = "one", .shapes = {scene.shapes[0]}, .shape_names = {}});
+  scene.shapes.push_back(InstanceDescription{0, turned, {}});
+  expect_round_trip(scene);
+}
+
 TEST(SceneWriter, WritesKeyframes) {
   expect_round_trip(loaded(R"({
     "camera": {"position": {"keyframes": [{"frame": 0, "value": [0, 0, 5]}, {"frame": 9, "value": [1, 0, 5]}]},
