@@ -134,7 +134,9 @@ CameraDescription camera_of(const Plugin& sensor, const Transform& to_world, flo
   camera.vertical_fov_degrees = degrees_of_half_tangent(tangent / aspect);
   if (sensor.type() == "thinlens") {
     camera.aperture_radius = sensor.real_in("aperture_radius", 0, 0, kMaxCoordinate);
-    camera.focus_distance = sensor.real_in("focus_distance", 0, 0, kMaxCoordinate);
+    constexpr float kFarClip = 1e4f;  // Mitsuba's default
+    camera.focus_distance =
+        sensor.real_in("focus_distance", sensor.real("far_clip", kFarClip), 0, kMaxCoordinate);
   }
   return camera;
 }

@@ -61,6 +61,17 @@ TEST(MitsubaSensor, OrthographicCamerasHaveTheScaleOfTheirTransform) {
   EXPECT_NEAR(camera.view_height, 3, 1e-6);
 }
 
+// Its default is the far plane.
+TEST(MitsubaSensor, ThinLensesFocusFarAwayUnlessTold) {
+  const auto focus = [](const std::string& parameters) {
+    return with_sensor("<float name='aperture_radius' value='0.5'/>" + parameters, "thinlens")
+        .camera.focus_distance;
+  };
+  EXPECT_EQ(focus(""), 1e4f);
+  EXPECT_EQ(focus("<float name='far_clip' value='50'/>"), 50);
+  EXPECT_EQ(focus("<float name='focus_distance' value='3'/>"), 3);
+}
+
 TEST(MitsubaSensor, FilmAndSamplerBecomeSettings) {
   const RenderSettings settings =
       with_sensor(
