@@ -185,11 +185,11 @@ void set_sensor(Conversion& conversion, const Plugin& sensor) {
 
 void set_integrator(Conversion& conversion, const Plugin& integrator) {
   const std::string& type = integrator.type();
-  if (type == "moment" || type == "aov") {
-    integrator.ignore({"aovs"});
-    const auto inner = integrator.first_child(Kind::kIntegrator);
-    if (inner) set_integrator(conversion, *inner);
-    return;
+  if (const auto inner = integrator.first_child(Kind::kIntegrator)) {
+    if (type != "moment")
+      integrator.warn("the image of the integrator inside of it is rendered, without what this one adds");
+    integrator.ignore_all();
+    return set_integrator(conversion, *inner);
   }
   if (type != "path" && type != "direct" && type != "volpath" && type != "volpathmis")
     integrator.warn("path tracing replaces this integrator");

@@ -101,6 +101,21 @@ TEST(MitsubaIntegrator, DepthCountsTheCamerasSegment) {
   EXPECT_EQ(depth("direct", ""), 1);
 }
 
+TEST(MitsubaIntegrator, IsTheInnermostOne) {
+  for (const char* type : {"moment", "aov", "stokes", "unheard_of"}) {
+    const SceneDescription scene = scene_of(std::string("<integrator type='") + type +
+                                            "'><integrator type='path'><integer name='max_depth' value='2'/>"
+                                            "<boolean name='hide_emitters' value='true'/></integrator>"
+                                            "</integrator><emitter type='constant'/>");
+    EXPECT_EQ(scene.settings.max_depth, 1) << type;
+    EXPECT_FALSE(scene.environment->visible_to_camera) << type;
+    if (type == std::string("moment"))
+      EXPECT_EQ(warnings_of(scene), "");
+    else
+      EXPECT_THAT(warnings_of(scene), HasSubstr("without what this one adds")) << type;
+  }
+}
+
 TEST(MitsubaIntegrator, HidesEmittersFromTheCamera) {
   for (const bool hides : {false, true}) {
     const SceneDescription scene = scene_of(
