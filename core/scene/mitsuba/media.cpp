@@ -212,9 +212,7 @@ MediumConverter::Coefficient MediumConverter::coefficient(const Plugin& owner, s
     return Rgb{std::max(c.r, 0.0f), std::max(c.g, 0.0f), std::max(c.b, 0.0f)};
   };
   if (property == nullptr) return {Rgb::gray(otherwise), {}, {}};
-  if (const auto* rgb = std::get_if<Rgb>(&property->value)) return {not_negative(*rgb), {}, {}};
-  if (const auto* number = std::get_if<double>(&property->value))
-    return {not_negative(Rgb::gray(static_cast<float>(*number))), {}, {}};
+  if (const auto constant = constant_color(*property)) return {not_negative(*constant), {}, {}};
   if (const auto volume = owner.child(name)) {
     if (volume->type() == "constvolume") return coefficient(*volume, "value", otherwise);
     if (volume->type() == "gridvolume")

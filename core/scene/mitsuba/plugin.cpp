@@ -139,6 +139,15 @@ std::optional<Plugin> Plugin::first_child(Kind kind) const {
   return all.empty() ? std::nullopt : std::optional(all.front());
 }
 
+std::optional<Rgb> constant_color(const Property& property) {
+  if (const auto* rgb = std::get_if<Rgb>(&property.value)) return *rgb;
+  if (const auto* number = std::get_if<double>(&property.value))
+    return Rgb::gray(static_cast<float>(*number));
+  if (const auto* whole = std::get_if<std::int64_t>(&property.value))
+    return Rgb::gray(static_cast<float>(*whole));
+  return std::nullopt;
+}
+
 namespace {
 
 std::optional<Plugin> emitter_of(const Plugin& shape, bool in_volume) {

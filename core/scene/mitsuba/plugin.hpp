@@ -100,6 +100,9 @@ class Plugin {
   NodeId id_;
 };
 
+// The colour of a number, whole or not, or of a colour; nullopt for other values.
+std::optional<Rgb> constant_color(const Property& property);
+
 // The emitters of a shape: of its surface, and of the medium inside.
 std::optional<Plugin> area_light_of(const Plugin& shape);
 std::optional<Plugin> volume_light_of(const Plugin& shape);

@@ -175,11 +175,7 @@ std::optional<TextureConverter::Value> TextureConverter::value(const Plugin& own
                                                                const TextureSite& site) {
   const Property* property = owner.property(name);
   if (property == nullptr) return std::nullopt;
-  if (const auto* number = std::get_if<double>(&property->value))
-    return Value{Rgb::gray(static_cast<float>(*number)), {}};
-  if (const auto* whole = std::get_if<std::int64_t>(&property->value))
-    return Value{Rgb::gray(static_cast<float>(*whole)), {}};
-  if (const auto* rgb = std::get_if<Rgb>(&property->value)) return Value{*rgb, {}};
+  if (const auto constant = constant_color(*property)) return Value{*constant, {}};
   if (const auto child = owner.child(name); child && child->kind() == Kind::kTexture)
     return texture(*child, site);
   owner.warn(fmt::format("'{}' is no colour, number or texture; its default is used", name));

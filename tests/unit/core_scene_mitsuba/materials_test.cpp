@@ -364,6 +364,15 @@ TEST(MitsubaTexture, SpectraOfReflectancesAreSeenUnderD65) {
               0.5f);
 }
 
+TEST(MitsubaMedium, CoefficientsMayBeWholeNumbers) {
+  const SceneDescription scene = scene_of(
+      "<shape type='sphere'><medium name='interior' type='homogeneous'><integer name='sigma_t' value='2'/>"
+      "<float name='albedo' value='0.5'/></medium></shape>");
+  EXPECT_EQ(scene.media.at(0).sigma_s, Rgb::gray(1));
+  EXPECT_EQ(scene.media.at(0).sigma_a, Rgb::gray(1));
+  EXPECT_EQ(warnings_of(scene), "");
+}
+
 TEST(MitsubaMedium, SpectraOfAlbedosAreSeenUnderD65) {
   const SceneDescription scene = scene_of(
       "<shape type='sphere'><medium name='interior' type='homogeneous'>"
