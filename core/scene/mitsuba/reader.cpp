@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <set>
 #include <utility>
 
 #include "core/base/printable.hpp"
@@ -32,6 +33,16 @@ void set_chosen_sensor(Conversion& conversion, const Plugin& scene) {
     scene.warn("has several sensors; the first one is used, and another one can be chosen (--camera)");
 }
 
+std::set<NodeId> emitters_of_shapes(const SceneGraph& graph) {
+  std::set<NodeId> found;
+  for (const Node& node : graph.nodes) {
+    if (node.kind != Kind::kShape) continue;
+    for (const Property& property : node.properties)
+      if (const auto* child = std::get_if<Child>(&property.value)) found.insert(child->node);
+  }
+  return found;
+}
+
 void convert_scene(Conversion& conversion) {
   const Plugin scene(conversion, 0);
   for (const Plugin& integrator : scene.children(Kind::kIntegrator)) set_integrator(conversion, integrator);
@@ -41,7 +52,9 @@ void convert_scene(Conversion& conversion) {
   MediumConverter media(conversion);
   ShapeConverter shapes(conversion, materials, media);
   EmitterConverter emitters(conversion, textures);
-  for (const Plugin& emitter : scene.children(Kind::kEmitter)) emitters.add(emitter);
+  const std::set<NodeId> of_shapes = emitters_of_shapes(conversion.graph);
+  for (const Plugin& emitter : scene.children(Kind::kEmitter))
+    if (!of_shapes.contains(emitter.id())) emitters.add(emitter);
   for (const Plugin& shape : scene.children(Kind::kShape)) {
     if (!conversion.status) return;
     shapes.add(shape);

@@ -136,6 +136,14 @@ TEST(MitsubaEmitter, MayHaveNoSurface) {
   EXPECT_EQ(material.emission.value, Rgb::gray(1));
 }
 
+TEST(MitsubaEmitter, MayStandBesideTheShapesThatReferToIt) {
+  const SceneDescription scene = scene_of(
+      "<shape type='sphere'><ref id='lamp'/></shape>"
+      "<emitter type='area' id='lamp'><rgb name='radiance' value='3'/></emitter>");
+  EXPECT_EQ(warnings_of(scene), "");
+  EXPECT_EQ(scene.materials.at(0).emission.value, Rgb::gray(3));
+}
+
 TEST(MitsubaEmitter, MasksDoNotWeakenIt) {
   const auto masked = [](const std::string& opacity) {
     return material_of("<bsdf type='mask'>" + opacity +
