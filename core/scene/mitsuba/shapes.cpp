@@ -96,7 +96,8 @@ void ShapeConverter::add_sphere(const Plugin& shape, std::optional<std::uint32_t
   const Vec3 center = shape.vector("center").value_or(Vec3{});
   const Transform to_world =
       compose(compose(shape.transform("to_world"), translation(center)), scaling({radius, radius, radius}));
-  const bool flipped = shape.flag("flip_normals", false) != (written_radius < 0);
+  const bool flipped =
+      (shape.flag("flip_normals", false) != (written_radius < 0)) != (to_world.determinant() < 0);
   const bool has_images = needs(shape).images;
   const MaterialIndex index = material(shape, {has_images ? UvLayout::kReversedV : UvLayout::kSame, nullptr});
   const bool is_exact = is_similarity(to_world) && flipped == index.is_reversed && (!has_images || !object);
@@ -150,7 +151,8 @@ void ShapeConverter::add_cylinder(const Plugin& shape, std::optional<std::uint32
   cylinder.axis = to_world.direction(p1 - p0);
   cylinder.radius_u = to_world.direction(u * radius);
   cylinder.radius_v = to_world.direction(v * radius);
-  cylinder.flipped = shape.flag("flip_normals", false) != index.is_reversed;
+  const bool mirrored = to_world.determinant() < 0;  // turns its normals, as those of spheres
+  cylinder.flipped = (mirrored != shape.flag("flip_normals", false)) != index.is_reversed;
   cylinder.material = index.index;
   conversion_.builder.add_shape(cylinder, name_of(shape), object, shape.place());
 }

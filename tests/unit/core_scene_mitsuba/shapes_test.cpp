@@ -41,6 +41,19 @@ TEST(MitsubaShape, MirroringAndFlippingTurnNormals) {
   EXPECT_EQ(face_normal(flipped, 0), (Vec3{0, 0, -1}));
 }
 
+// Of meshes and rectangles it does not.
+TEST(MitsubaShape, MirroringTurnsSpheresAndCylindersInsideOut) {
+  const std::string mirrored = "<transform name='to_world'><scale x='-1'/></transform></shape>";
+  const auto sphere = only_shape<MeshDescription>("<shape type='sphere'>" + mirrored);
+  const Vec3 corner = sphere.positions[sphere.triangles[0][0]];
+  EXPECT_LT(dot(face_normal(sphere, 0), corner), 0);
+  EXPECT_TRUE(only_shape<CylinderDescription>("<shape type='cylinder'>" + mirrored).flipped);
+  EXPECT_FALSE(only_shape<CylinderDescription>("<shape type='cylinder'><boolean name='flip_normals' "
+                                               "value='true'/>" +
+                                               mirrored)
+                   .flipped);
+}
+
 TEST(MitsubaShape, CubesFaceOutwards) {
   const auto cube = only_shape<MeshDescription>("<shape type=\"cube\"/>");
   ASSERT_EQ(cube.triangles.size(), 12u);
