@@ -169,6 +169,9 @@ void ShapeConverter::add_curves(const Plugin& shape, CurveBasis basis, std::opti
     return shape.warn(
         fmt::format("{} {}; the shape is left out", in_quotes(written), strands.error().message));
   if (basis == CurveBasis::kLinear) shape.warn("the joints of linear segments are open, and not rounded");
+  if (needs(shape).images)
+    shape.warn(
+        "texture coordinates are u along each strand and v across it, not around it and along all strands");
   if (area_light_of(shape)) shape.warn("curves that emit light are not supported; they are dark");
   const Transform to_world = shape.transform("to_world");
   for (Vec3& point : strands->points) point = to_world.point(point);

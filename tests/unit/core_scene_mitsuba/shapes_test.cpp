@@ -112,6 +112,14 @@ TEST(MitsubaShape, DisksAndCylinders) {
   EXPECT_NEAR(dot(cross(cylinder.radius_u, cylinder.radius_v), cylinder.axis), 0.75, 1e-5);
 }
 
+TEST(MitsubaShape, TexturesOfCurvesAreTold) {
+  const SceneDescription scene = scene_of(
+      "<shape type='linearcurve'><string name='filename' value='a.txt'/><bsdf type='diffuse'>"
+      "<texture name='reflectance' type='checkerboard'/></bsdf></shape>",
+      {{"a.txt", "0 0 0 1\n0 1 0 1\n"}});
+  EXPECT_THAT(warnings_of(scene), testing::HasSubstr("texture coordinates are u along each strand"));
+}
+
 TEST(MitsubaShape, Curves) {
   const std::string hair =
       "0 0 0 0.1\n0 1 0 0.1\r\n0 2 0 0.1\n+0 3 0 0.1\n\n  \n1 0 0 .2\n1 1 0 .2\n1 2 0 .2\n1 3 0 .2\n1 4 0 .3";
