@@ -132,6 +132,8 @@ Surface MaterialConverter::convert(const Plugin& bsdf, const TextureSite& site, 
   if (type == "bumpmap") return bump_map(bsdf, site, depth);
   if (type == "null") return open(bsdf, Null{});
   if (type == "hair") return hair(bsdf, site);
+  if (type == "polarizer" || type == "circular") return straight(bsdf, site, 0.5f);
+  if (type == "retarder") return straight(bsdf, site, 1);
   return unsupported(bsdf);
 }
 
@@ -163,6 +165,17 @@ Surface MaterialConverter::thin_dielectric(const Plugin& bsdf, const TextureSite
   thin.reflectance = textures_.color(bsdf, "specular_reflectance", Rgb::gray(1), site);
   thin.transmittance = textures_.color(bsdf, "specular_transmittance", Rgb::gray(1), site);
   return open(bsdf, thin);
+}
+
+Surface MaterialConverter::straight(const Plugin& bsdf, const TextureSite& site, float share) {
+  ThinDielectric pane;
+  pane.ior = 1;
+  pane.transmittance = textures_.color(bsdf, "transmittance", Rgb::gray(1), site);
+  pane.transmittance.value *= share;
+  bsdf.ignore({"theta", "delta", "left_handed"});
+  bsdf.warn(fmt::format("does not polarize; a pane that lets {:g} of the light straight through replaces it",
+                        share));
+  return open(bsdf, pane);
 }
 
 Surface MaterialConverter::hair(const Plugin& bsdf, const TextureSite& site) {

@@ -62,6 +62,8 @@ class MaterialConverter {
   Surface two_sided(const Plugin& bsdf, const TextureSite& site, int depth);
   Surface normal_map(const Plugin& bsdf, const TextureSite& site, int depth);
   Surface bump_map(const Plugin& bsdf, const TextureSite& site, int depth);
+  // A polarizing plate for light that is not polarized: `share` of it passes straight through.
+  Surface straight(const Plugin& bsdf, const TextureSite& site, float share);
   Surface hair(const Plugin& bsdf, const TextureSite& site);
   Surface unsupported(const Plugin& bsdf);
   // The BSDF inside of another; a gray diffuse one if it is missing.

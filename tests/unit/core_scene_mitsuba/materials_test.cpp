@@ -254,10 +254,19 @@ TEST(MitsubaBsdf, Hair) {
   EXPECT_EQ(dyed.tilt_degrees, 3);
 }
 
+TEST(MitsubaBsdf, PolarizersLetHalfOfTheLightThrough) {
+  const auto pane = std::get<ThinDielectric>(
+      material_of("<bsdf type='polarizer'><float name='theta' value='30'/><rgb name='transmittance' "
+                  "value='0.8'/></bsdf>")
+          .model);
+  EXPECT_EQ(pane.ior.value, 1);
+  EXPECT_EQ(pane.transmittance.value, Rgb::gray(0.4f));
+}
+
 TEST(MitsubaBsdf, UnknownOnesBecomeGray) {
-  const SceneDescription scene = scene_of("<shape type=\"sphere\"><bsdf type=\"polarizer\"/></shape>");
+  const SceneDescription scene = scene_of("<shape type=\"sphere\"><bsdf type=\"velvet\"/></shape>");
   EXPECT_TRUE(std::holds_alternative<Lambert>(scene.materials.at(0).model));
-  EXPECT_THAT(warnings_of(scene), HasSubstr("<bsdf type=\"polarizer\">: is not supported"));
+  EXPECT_THAT(warnings_of(scene), HasSubstr("<bsdf type=\"velvet\">: is not supported"));
 }
 
 // A square with a texture as its reflectance.
