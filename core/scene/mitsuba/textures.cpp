@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -86,9 +87,13 @@ UvMap uv_map(const Transform& to_uv, UvLayout layout) {
 
 ColorParameter TextureConverter::color(const Plugin& owner, std::string_view name, Rgb otherwise,
                                        const TextureSite& site, float largest) {
-  const auto found = value(owner, name, site);
+  auto found = value(owner, name, site);
   if (!found) return {otherwise, -1};
-  if (found->texture) return {found->factor, conversion_.builder.add_texture(*found->texture)};
+  if (found->texture) {
+    if (limit(*found, largest))
+      owner.warn(fmt::format("the texture of '{}' is clamped to at most {}", name, largest));
+    return {found->factor, conversion_.builder.add_texture(*found->texture)};
+  }
   const Rgb c = found->factor;
   const auto bounded = [&](float channel) { return std::clamp(channel, 0.0f, largest); };
   const Rgb clamped{bounded(c.r), bounded(c.g), bounded(c.b)};
@@ -207,6 +212,11 @@ TextureConverter::Value TextureConverter::convert(const Plugin& plugin, const Te
   if (is_spectrum_type(type)) {
     const auto samples = samples_of(plugin);
     return {samples ? sampled_color(*samples, plugin.in_emitter()) : Rgb::gray(kNoTexture), {}};
+  }
+  if (const auto inner = plugin.first_child(Kind::kTexture)) {
+    plugin.warn("this texture is not supported; the one inside of it replaces it");
+    plugin.ignore_all();
+    return texture(*inner, site);
   }
   plugin.warn(fmt::format("this texture is not supported; the constant {} replaces it", kNoTexture));
   return {Rgb::gray(kNoTexture), {}};
@@ -351,6 +361,24 @@ Texture TextureConverter::mapped(Texture texture, TexelMap map) {
   ProceduralTexture root{.pattern = PowerPattern{{Rgb::gray(1), builder.add_texture(texture)}, 0.5f}};
   root.max = std::sqrt(texture.procedural->max);
   return {.image = nullptr, .procedural = root};
+}
+
+bool TextureConverter::limit(Value& value, float largest) {
+  Texture& texture = *value.texture;
+  const float factor = max_component(value.factor);
+  if (!(max_component(texture.largest() * value.factor) > largest)) return false;
+  const float most = largest / factor;
+  if (texture.procedural) {
+    texture.procedural->max = most;
+    return true;
+  }
+  const int key = std::bit_cast<int>(most);  // far above the others
+  texture.image = derived(texture.image, key, [&image = *texture.image, most] {
+    return image_of(image, [most](Rgb c) {
+      return Rgb{std::min(c.r, most), std::min(c.g, most), std::min(c.b, most)};
+    });
+  });
+  return true;
 }
 
 TextureConverter::Image TextureConverter::with_signs(const Image& image, bool flip_red, bool flip_green) {

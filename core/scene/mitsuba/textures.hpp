@@ -44,8 +44,8 @@ class TextureConverter {
  public:
   explicit TextureConverter(Conversion& conversion) : conversion_(conversion) {}
 
-  // The colour of a parameter: a number, <rgb>, <spectrum> or texture. `largest` bounds constants: 1 for
-  // reflectances. Textures may exceed it.
+  // The colour of a parameter: a number, <rgb>, <spectrum> or texture. `largest` bounds it: 1 for
+  // reflectances.
   ColorParameter color(const Plugin& owner, std::string_view name, Rgb otherwise, const TextureSite& site,
                        float largest = 1);
   // As a number, which becomes map(number).
@@ -84,6 +84,8 @@ class TextureConverter {
   Image load(const Plugin& plugin, ColorSpace color_space);
   Image mapped(const Image& image, TexelMap map);
   Texture mapped(Texture texture, TexelMap map);
+  // Clamps a texture whose values exceed `largest`; returns whether they do.
+  bool limit(Value& value, float largest);
   Image with_signs(const Image& image, bool flip_red, bool flip_green);
   // `make` returns the texels of an image derived from `image`, counted against the limits, once for each
   // key.

@@ -407,6 +407,30 @@ TEST(MitsubaTexture, CheckerboardsOfNumbersBeginWithTheSecond) {
   EXPECT_EQ(metallic.evaluate(scene.textures, Vec2{0.75f, 0.25f}), 0.75f);
 }
 
+TEST(MitsubaTexture, OfReflectancesIsClampedTo1) {
+  const MemoryAssets::Files files{{"bright.hdr", test::hdr(one_color(4, 4, Rgb{0.5f, 3, 20}))}};
+  const std::string bitmap = "type='bitmap'><string name='filename' value='bright.hdr'/></texture>";
+  const SceneDescription wall = textured("type='rectangle'>", "<texture name='reflectance' " + bitmap, files);
+  EXPECT_EQ(wall.textures.at(0).largest(), (Rgb{0.5f, 1, 1}));
+  EXPECT_THAT(warnings_of(wall), HasSubstr("the texture of 'reflectance' is clamped to at most 1"));
+  const SceneDescription lamp =
+      scene_of("<shape type='rectangle'><emitter type='area'><texture name='radiance' " + bitmap +
+                   "</emitter></shape>",
+               files);
+  EXPECT_EQ(lamp.textures.at(0).largest().b, 20);
+  EXPECT_EQ(warnings_of(lamp), "");
+}
+
+TEST(MitsubaTexture, InsideOfAnUnknownOneReplacesIt) {
+  const SceneDescription scene = textured(
+      "type='rectangle'>",
+      "<texture name='reflectance' type='scale'><float name='scale' value='2'/><texture type='bitmap'>"
+      "<string name='filename' value='half.png'/></texture></texture>",
+      {{"half.png", half_white()}});
+  EXPECT_EQ(scene.textures.size(), 1u);
+  EXPECT_THAT(warnings_of(scene), HasSubstr("the one inside of it replaces it"));
+}
+
 TEST(MitsubaTexture, MissingFilesCostTheTextureOnly) {
   const SceneDescription scene = textured("type=\"sphere\">",
                                           "<texture type=\"bitmap\" name=\"reflectance\"><string "
