@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <initializer_list>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,8 +24,10 @@ struct Conversion {
   bool counts_passing = false;
   bool hides_emitters = false;  // from the camera
   bool emission_only = false;   // nothing that is scattered is seen
-  float shutter_open = 0;       // the time of frame 0; each unit of time has a frame
-  float shutter_frames = 0;     // how long the shutter is open
+  float near_clip = 0;          // distances between which Mitsuba's camera sees
+  float far_clip = std::numeric_limits<float>::infinity();
+  float shutter_open = 0;    // the time of frame 0; each unit of time has a frame
+  float shutter_frames = 0;  // how long the shutter is open
 
   void check(const Status& done) {
     if (!done && status) status = done;

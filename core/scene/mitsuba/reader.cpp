@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <limits>
 #include <set>
 #include <utility>
 
 #include "core/base/printable.hpp"
 #include "core/scene/import/emission_only.hpp"
 #include "core/scene/import/front_ends.hpp"
+#include "core/scene/import/scene_bounds.hpp"
 #include "core/scene/import/scene_builder.hpp"
 #include "core/scene/import/selection.hpp"
 #include "core/scene/mitsuba/emitters.hpp"
@@ -33,6 +36,26 @@ void set_chosen_sensor(Conversion& conversion, const Plugin& scene) {
     scene.warn("has several sensors; the first one is used, and another one can be chosen (--camera)");
 }
 
+// Planes in front of the camera that cut nothing are common, as are near ones amid a room.
+void warn_of_clipping(const Conversion& conversion, const Plugin& scene) {
+  if (!conversion.builder.has_camera()) return;
+  constexpr float kNear = 0.01f;  // of the depth of the scene
+  const auto& camera = conversion.builder.scene().camera;
+  const Aabb bounds = scene_bounds(conversion.builder.scene());
+  const Vec3 direction = normalize(camera.look_at - camera.position);
+  float nearest = std::numeric_limits<float>::infinity(), farthest = -nearest;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 p{(corner & 1) != 0 ? bounds.upper.x : bounds.lower.x,
+                 (corner & 2) != 0 ? bounds.upper.y : bounds.lower.y,
+                 (corner & 4) != 0 ? bounds.upper.z : bounds.lower.z};
+    const float depth = dot(p - camera.position, direction);
+    nearest = std::min(nearest, depth), farthest = std::max(farthest, depth);
+  }
+  if ((nearest < conversion.near_clip && conversion.near_clip >= kNear * farthest) ||
+      farthest > conversion.far_clip)
+    scene.warn("what lies in front of 'near_clip' or beyond 'far_clip' is seen");
+}
+
 std::set<NodeId> emitters_of_shapes(const SceneGraph& graph) {
   std::set<NodeId> found;
   for (const Node& node : graph.nodes) {
@@ -59,6 +82,7 @@ void convert_scene(Conversion& conversion) {
     if (!conversion.status) return;
     shapes.add(shape);
   }
+  warn_of_clipping(conversion, scene);
   if (conversion.emission_only && !show_emission_only(conversion.builder.scene()))
     scene.warn(
         "has media whose scattering has a grid of its own, which does not weaken light at 'max_depth' 1");

@@ -18,6 +18,7 @@ namespace tessera::core::mitsuba {
 namespace {
 
 constexpr float kDegree = kPi / 180;
+constexpr float kFarClip = 1e4f;  // Mitsuba's default
 
 float tangent_of_half(float degrees) {
   const float half = degrees * (kDegree / 2);
@@ -134,7 +135,6 @@ CameraDescription camera_of(const Plugin& sensor, const Transform& to_world, flo
   camera.vertical_fov_degrees = degrees_of_half_tangent(tangent / aspect);
   if (sensor.type() == "thinlens") {
     camera.aperture_radius = sensor.real_in("aperture_radius", 0, 0, kMaxCoordinate);
-    constexpr float kFarClip = 1e4f;  // Mitsuba's default
     camera.focus_distance =
         sensor.real_in("focus_distance", sensor.real("far_clip", kFarClip), 0, kMaxCoordinate);
   }
@@ -155,7 +155,9 @@ void set_sensor(Conversion& conversion, const Plugin& sensor) {
   settings.filter = {FilterKind::kGaussian, 1.5f};
   if (const auto film = sensor.first_child(Kind::kFilm)) set_film(settings, *film);
   if (const auto sampler = sensor.first_child(Kind::kSampler)) set_sampler(settings, *sampler);
-  sensor.ignore({"near_clip", "far_clip", "srf", "focus_distance"});
+  conversion.near_clip = sensor.real("near_clip", 0.01f);
+  conversion.far_clip = sensor.real("far_clip", kFarClip);
+  sensor.ignore({"srf", "focus_distance"});
   conversion.shutter_open = sensor.real("shutter_open", 0);
   const float shutter_close = sensor.real("shutter_close", 0);
   const std::string& type = sensor.type();

@@ -61,6 +61,17 @@ TEST(MitsubaSensor, OrthographicCamerasHaveTheScaleOfTheirTransform) {
   EXPECT_NEAR(camera.view_height, 3, 1e-6);
 }
 
+TEST(MitsubaSensor, ClippingPlanesThatCutTheSceneAreTold) {
+  const auto told = [](const std::string& planes) {
+    return warnings_of(with_sensor(
+        "<transform name='to_world'><lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform>" +
+        planes));
+  };
+  EXPECT_EQ(told("<float name='near_clip' value='3'/><float name='far_clip' value='7'/>"), "");
+  EXPECT_THAT(told("<float name='near_clip' value='4.5'/>"), HasSubstr("in front of 'near_clip'"));
+  EXPECT_THAT(told("<float name='far_clip' value='5.5'/>"), HasSubstr("beyond 'far_clip'"));
+}
+
 // Its default is the far plane.
 TEST(MitsubaSensor, ThinLensesFocusFarAwayUnlessTold) {
   const auto focus = [](const std::string& parameters) {
