@@ -223,6 +223,10 @@ ComplexIndex MaterialConverter::metal(const Plugin& bsdf) {
   const auto known = find_metal(name);
   if (!known) bsdf.warn(fmt::format("the metal {} is not known; aluminium replaces it", in_quotes(name)));
   const Metal metal = known.value_or(Metal{});
+  if (known && !metal.is_substitute)
+    bsdf.warn(fmt::format("color of {}", name),
+              fmt::format("the colour of {} is that under D65; Mitsuba integrates its indices without one",
+                          in_quotes(name)));
   if (metal.is_substitute)
     bsdf.warn(fmt::format("the indices of {} are not known; those of {} replace them", in_quotes(name),
                           scene_keys::kConductors[static_cast<std::size_t>(metal.conductor)]));

@@ -172,6 +172,12 @@ TEST(MitsubaBsdf, MetalsWithoutIndicesAreReplacedByNearOnes) {
   EXPECT_THAT(warnings_of(scene), HasSubstr("the indices of 'Rh' are not known; those of mercury"));
 }
 
+TEST(MitsubaBsdf, ColorsOfMetalsThatDifferFromMitsubasAreTold) {
+  const SceneDescription scene = scene_of(
+      "<shape type='sphere'><bsdf type='conductor'><string name='material' value='Ag'/></bsdf></shape>");
+  EXPECT_THAT(warnings_of(scene), HasSubstr("the colour of 'Ag' is that under D65"));
+}
+
 TEST(MitsubaBsdf, PlasticKeepsItsParameters) {
   const auto plastic = model_of<Plastic>(
       "<bsdf type=\"plastic\"><boolean name=\"nonlinear\" value=\"true\"/><float name=\"int_ior\" "
