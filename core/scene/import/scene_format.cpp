@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "core/base/letter_case.hpp"
+
 namespace tessera::core {
 namespace {
 
@@ -20,13 +22,6 @@ constexpr std::array<std::pair<std::string_view, SceneFormat>, 9> kEndings{{
     {".ply.gz", SceneFormat::kPly},
     {".stl", SceneFormat::kStl},
 }};
-
-bool ends_with_ignoring_case(std::string_view text, std::string_view ending) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
-  return text.size() >= ending.size() &&
-         std::equal(ending.begin(), ending.end(), text.end() - static_cast<std::ptrdiff_t>(ending.size()),
-                    [&](char a, char b) { return a == lower(b); });
-}
 
 std::string_view without_leading_blanks(std::string_view text) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);

@@ -12,6 +12,7 @@
 #include <new>
 #include <system_error>
 
+#include "core/base/letter_case.hpp"
 #include "core/base/printable.hpp"
 #include "core/scene/loader/wording.hpp"
 
@@ -84,12 +85,6 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, error);
 }
 
-std::string lower_case(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 // Removes doubled slashes, so that equal paths are equal strings.
 std::string without_doubled_slashes(const fs::path& path) {
   fs::path parts;
@@ -101,10 +96,10 @@ std::string without_doubled_slashes(const fs::path& path) {
 void find_entries(const fs::path& root, const fs::path& folder, const std::string& name,
                   std::vector<fs::path>& found) {
   std::error_code error;
-  const std::string wanted = lower_case(name);
+  const std::string wanted = in_lower_case(name);
   for (fs::directory_iterator entry(root / folder, error), end; !error && entry != end;
        entry.increment(error))
-    if (lower_case(entry->path().filename().string()) == wanted)
+    if (in_lower_case(entry->path().filename().string()) == wanted)
       found.push_back(folder / entry->path().filename());
 }
 
@@ -163,8 +158,8 @@ bool BundleAssets::exists(const std::string& path) {
 std::vector<std::string> BundleAssets::find_in_any_case(const std::string& path) {
   if (in_lower_case_.empty())
     for (const std::string& name : names_)
-      if (without_doubled_slashes(name) == name) in_lower_case_[lower_case(name)].push_back(name);
-  const auto found = in_lower_case_.find(lower_case(without_doubled_slashes(path)));
+      if (without_doubled_slashes(name) == name) in_lower_case_[in_lower_case(name)].push_back(name);
+  const auto found = in_lower_case_.find(in_lower_case(without_doubled_slashes(path)));
   if (found == in_lower_case_.end()) return {};
   std::vector<std::string> files = found->second;
   files.resize(std::min(files.size(), kMaxFits));

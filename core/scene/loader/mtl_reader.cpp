@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/letter_case.hpp"
 #include "core/scene/loader/mtl_material.hpp"
 #include "core/scene/loader/text_lines.hpp"
 #include "core/scene/loader/wording.hpp"
@@ -75,24 +76,17 @@ constexpr std::array kMaps{MapRule{"map_Kd", &MtlMaterial::diffuse_map},
 // Ignored silently: ambient light is not supported, and "sharpness" only modifies "refl", which is reported.
 constexpr std::array<std::string_view, 2> kSilent{"map_Ka", "sharpness"};
 
-char lower_case(char c) {
-  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
-
-bool is_same_word(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](char x, char y) { return lower_case(x) == lower_case(y); });
-}
-
 template <typename Rules>
 const auto* find_rule(const Rules& rules, std::string_view keyword) {
-  const auto* found = std::find_if(rules.begin(), rules.end(),
-                                   [&](const auto& rule) { return is_same_word(rule.keyword, keyword); });
+  const auto* found = std::find_if(rules.begin(), rules.end(), [&](const auto& rule) {
+    return equal_ignoring_case(rule.keyword, keyword);
+  });
   return found == rules.end() ? nullptr : found;
 }
 
 bool is_one_of(std::span<const std::string_view> words, std::string_view keyword) {
-  return std::any_of(words.begin(), words.end(), [&](auto word) { return is_same_word(word, keyword); });
+  return std::any_of(words.begin(), words.end(),
+                     [&](auto word) { return equal_ignoring_case(word, keyword); });
 }
 
 class MtlReader {
@@ -133,7 +127,7 @@ MtlFile MtlReader::read() {
 void MtlReader::statement(std::string_view line) {
   const std::string_view keyword = take_word(line);
   if (keyword.empty() || keyword.front() == '#') return;
-  if (is_same_word(keyword, "newmtl")) return new_material(line);
+  if (equal_ignoring_case(keyword, "newmtl")) return new_material(line);
   const auto* color_rule = find_rule(kColors, keyword);
   const auto* number_rule = find_rule(kNumbers, keyword);
   const auto* map_rule = find_rule(kMaps, keyword);

@@ -7,6 +7,8 @@
 #include <limits>
 #include <system_error>
 
+#include "core/base/letter_case.hpp"
+
 namespace tessera::core::mitsuba {
 namespace {
 
@@ -17,9 +19,6 @@ bool is_lower(char c) {
 }
 bool is_upper(char c) {
   return c >= 'A' && c <= 'Z';
-}
-char in_lower_case(char c) {
-  return is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
 std::string_view without_blanks(std::string_view text) {
@@ -66,8 +65,7 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
 }
 
 std::optional<bool> parse_boolean(std::string_view text) {
-  std::string word(without_blanks(text));
-  std::transform(word.begin(), word.end(), word.begin(), in_lower_case);
+  const std::string word = in_lower_case(without_blanks(text));
   if (word == "true") return true;
   if (word == "false") return false;
   return std::nullopt;

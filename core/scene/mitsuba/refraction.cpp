@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/letter_case.hpp"
 #include "core/base/suggestion.hpp"
 #include "core/materials/material.hpp"
 
@@ -74,15 +75,10 @@ constexpr NamedMetal kMetals[] = {
     {"VN", {Conductor::kTungsten, true}},
 };
 
-char small_letter(char c) {
-  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
-
 }  // namespace
 
 std::optional<float> refractive_index(std::string_view name) {
-  std::string lower(name);
-  std::transform(lower.begin(), lower.end(), lower.begin(), small_letter);
+  const std::string lower = in_lower_case(name);
   for (const auto& [known, index] : kDielectrics)
     if (known == lower) return index;
   return std::nullopt;

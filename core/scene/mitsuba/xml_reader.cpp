@@ -10,6 +10,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/base/letter_case.hpp"
 #include "core/base/printable.hpp"
 #include "core/base/suggestion.hpp"
 #include "core/image/srgb.hpp"
@@ -200,8 +201,12 @@ Result<NodeId> GraphReader::read_object(const Source& source, pugi::xml_node xml
   if (graph_.nodes.size() >= kMaxNodes)
     return error_at(where, fmt::format("the scene has more than {} objects", kMaxNodes));
   const auto id = static_cast<NodeId>(graph_.nodes.size());
+  std::string type = in_lower_case(attributes.text("type"));
+  if (type != attributes.text("type"))
+    warn(where, "capital letters",
+         fmt::format("there is no type {}; {} is used", in_quotes(attributes.text("type")), in_quotes(type)));
   graph_.nodes.push_back({.kind = kind,
-                          .type = std::string(attributes.text("type")),
+                          .type = std::move(type),
                           .id = std::string(attributes.text("id")),
                           .where = where,
                           .properties = {},

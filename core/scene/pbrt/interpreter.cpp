@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/letter_case.hpp"
 #include "core/scene/import/emission_only.hpp"
 #include "core/scene/loader/gunzip.hpp"
 #include "core/scene/loader/wording.hpp"
@@ -39,7 +40,7 @@ std::size_t count_values(const Parameters& parameters) {
 std::string without_separators(std::string_view name) {
   std::string plain;
   for (const char c : name)
-    if (c != '-' && c != '_') plain += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    if (c != '-' && c != '_') plain += in_lower_case(c);
   return plain;
 }
 

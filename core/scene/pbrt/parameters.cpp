@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/letter_case.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core::pbrt {
@@ -138,11 +139,7 @@ Result<Parameter> parse_parameter(TokenStream& tokens, const Token& declaration)
 bool is_written_nan(std::string_view text) {
   const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
   const std::string_view word = text.substr(sign, 3);
-  constexpr std::string_view kNan = "nan";
-  return word == "1.#" || (word.size() == kNan.size() &&
-                           std::equal(kNan.begin(), kNan.end(), word.begin(), [](char a, char b) {
-                             return a == (b >= 'A' && b <= 'Z' ? b - 'A' + 'a' : b);
-                           }));
+  return word == "1.#" || equal_ignoring_case(word, "nan");
 }
 
 }  // namespace

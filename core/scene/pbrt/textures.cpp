@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/base/letter_case.hpp"
 #include "core/image/srgb.hpp"
 #include "core/math/frame.hpp"
 #include "core/scene/loader/wording.hpp"
@@ -20,12 +21,6 @@ bool is_color_type(std::string_view type) {
   return type == "rgb" || type == "color" || type == "xyz" || type == "spectrum" || type == "blackbody";
 }
 
-bool has_ending(std::string_view name, std::string_view ending) {
-  return name.size() >= ending.size() &&
-         std::equal(ending.rbegin(), ending.rend(), name.rbegin(),
-                    [](char a, char b) { return a == (b >= 'A' && b <= 'Z' ? b - 'A' + 'a' : b); });
-}
-
 // How the bytes of an image file become linear values. Only PNG files obey the parameter "encoding".
 struct Encoding {
   ColorSpace color_space = ColorSpace::kSrgb;
@@ -34,7 +29,7 @@ struct Encoding {
 
 Encoding encoding_of(const Parameters& p, std::string_view file) {
   const std::string name = p.text("encoding", "sRGB");
-  if (!has_ending(file, ".png")) return {};
+  if (!ends_with_ignoring_case(file, ".png")) return {};
   if (name == "linear") return {ColorSpace::kLinear, 1};
   constexpr std::string_view kGamma = "gamma ";
   if (!std::string_view(name).starts_with(kGamma)) {
@@ -81,7 +76,8 @@ float at_least_0(float value) {
 }
 
 bool has_float_ending(std::string_view file) {
-  return has_ending(file, ".exr") || has_ending(file, ".pfm") || has_ending(file, ".hdr");
+  return ends_with_ignoring_case(file, ".exr") || ends_with_ignoring_case(file, ".pfm") ||
+         ends_with_ignoring_case(file, ".hdr");
 }
 
 // pbrt decodes alpha as it does colours.

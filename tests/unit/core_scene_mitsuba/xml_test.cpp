@@ -105,6 +105,12 @@ TEST(MitsubaXml, CirclesOfReferencesAreErrors) {
               HasSubstr("circle"));
 }
 
+TEST(MitsubaXml, TypesHaveSmallLetters) {
+  const SceneDescription scene = scene_of("<shape type=\"Sphere\"/>");
+  EXPECT_EQ(scene.shapes.size(), 2u);
+  EXPECT_THAT(warnings_of(scene), HasSubstr("scene.xml:2: there is no type 'Sphere'; 'sphere' is used"));
+}
+
 TEST(MitsubaXml, OldNamesAreUpgraded) {
   const auto seen = load_xml(
       "<scene version=\"0.5.0\"><shape type=\"sphere\"/><sensor type=\"perspective\">"
