@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A NanoVDB file, and a sound grid in which the input changes values: pairs of an offset in 4 bytes and a
-// value in
-// 8. A grid takes 307 KB, of which most bytes do not matter.
+// value in 8. A grid takes 307 KB, of which most bytes do not matter.
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -26,10 +25,12 @@ TESSERA_FUZZER(nanovdb, std::string_view input) {
     std::memcpy(grid.data() + offset % (grid.size() - 8), input.data() + sizeof(offset), 8);
   }
   constexpr std::uint64_t kMaxVoxels = 4096;
-  const auto dense = core::dense_grid(grid, kMaxVoxels);
-  if (!dense) return expect(!dense.error().message.empty(), "errors have a message");
-  expect(core::is_sound(dense->voxels), "the grid is sound");
-  expect(dense->voxels.voxel_count() <= kMaxVoxels, "the grid is as small as it must be");
+  const auto shape = core::shape_of(grid, kMaxVoxels);
+  if (!shape) return expect(!shape.error().message.empty(), "errors have a message");
+  expect(shape->voxel_count() <= kMaxVoxels, "the grid is as small as it must be");
+  const auto voxels = core::voxels_of(grid, *shape);
+  if (!voxels) return expect(!voxels.error().message.empty(), "errors have a message");
+  expect(core::is_sound(*voxels), "the grid is sound");
 }
 
 }  // namespace tessera::fuzz

@@ -25,6 +25,7 @@ struct NanoVdbGridBytes {
   // Voxels of the leaf have the values x + 10 y + 100 z.
   NanoVdbGridBytes() : bytes(kBytes, '\0') {
     std::memcpy(bytes.data(), "NanoVDB0", 8);
+    put_bytes(bytes, 16, std::uint32_t{32} << 21);  // the version
     for (std::size_t axis = 0; axis < 3; ++axis) {
       put_bytes(bytes, 296 + 88 + 32 * axis, 0.5);
       put_bytes(bytes, 296 + 232 + 8 * axis, static_cast<double>(axis) + 1);

@@ -96,14 +96,14 @@ bool Document::is_invisible_extension(std::string_view name) {
   return is_among(kInvisibleExtensions, name);
 }
 
-bool Document::lists_extension(std::string_view name) const {
+std::set<std::string> Document::listed_extensions() const {
+  std::set<std::string> listed;
   for (const auto& [key, line, list] : *json_.get_if<JsonValue::Object>()) {
     if (key != "extensionsRequired" && key != "extensionsUsed") continue;
     const auto* names = list.get_if<JsonValue::Array>();
-    for (std::size_t i = 0; names != nullptr && i < names->size(); ++i)
-      if (text_of(&list, i) == name) return true;
+    for (std::size_t i = 0; names != nullptr && i < names->size(); ++i) listed.insert(text_of(&list, i));
   }
-  return false;
+  return listed;
 }
 
 void Document::tell_unsupported_extension(const Value& place, std::string_view name) const {

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -39,8 +40,8 @@ class Document {
   static bool knows_extension(std::string_view name);
   // Whether no pixel depends on the extension, which is then ignored without a warning.
   static bool is_invisible_extension(std::string_view name);
-  // Whether the file says that it uses or requires the extension.
-  bool lists_extension(std::string_view name) const;
+  // Those that the file says it uses or requires.
+  std::set<std::string> listed_extensions() const;
   void tell_unsupported_extension(const Value& place, std::string_view name) const;
   // Tells once, with a count, what is approximated or ignored at a place.
   void warn(const Value& place, std::string_view kind, std::string_view text) const;

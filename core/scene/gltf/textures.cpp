@@ -207,13 +207,14 @@ int Textures::combined(const std::vector<Input>& inputs, ColorSpace space, const
   std::string key = name;
   for (std::size_t i = 0; i < inputs.size(); ++i)
     if (images[i])
-      key += fmt::format(", {} channel {}",
+      key += fmt::format(", {}: {} channel {}", i,
                          image_of(document_.element("textures", inputs[i].info["index"])).path(),
                          static_cast<int>(inputs[i].use.channel));
   const Value& mapping = inputs[static_cast<std::size_t>(first - images.begin())].info;
   auto known = combined_.find(key);
   if (known == combined_.end()) {
-    auto made = document_.builder().image_pixels(key, combine_texels(images, space, combine));
+    auto made = document_.builder().image_pixels(key, common_size(images),
+                                                 [&] { return combine_texels(images, space, combine); });
     if (!made) mapping.refuse(made.error().message, made.error().code);
     known = combined_.emplace(key, std::move(*made)).first;
   }

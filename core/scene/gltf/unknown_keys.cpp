@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -246,12 +247,13 @@ class UnknownKeys {
       const Value extension = child_of(place, (*members)[i]);
       if (Document::knows_extension(name))
         tell_in(extension, value);
-      else if (!Document::is_invisible_extension(name) && !document_.lists_extension(name))
+      else if (!Document::is_invisible_extension(name) && !listed_.contains(name))
         document_.tell_unsupported_extension(extension, name);
     }
   }
 
   const Document& document_;
+  const std::set<std::string> listed_ = document_.listed_extensions();
   std::map<std::string, std::string> similar_;  // of each unknown key
 };
 

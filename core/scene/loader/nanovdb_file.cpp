@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 16, kDescriptionBytes = 176;
 constexpr std::size_t kMaxExpansion = 1100;  // of the deflate algorithm, rounded up
+constexpr std::uint64_t kMaxGridBytes = std::uint64_t{1} << 32;
 
 enum class Codec : std::uint16_t { kNone = 0, kZip = 1, kBlosc = 2 };
 
@@ -56,8 +57,9 @@ Result<std::string_view> unzip(std::string_view stored, std::uint64_t size, std:
   const auto packed_size = bytes_at<std::uint64_t>(stored, 0);
   if (!packed_size || *packed_size > stored.size() - sizeof(std::uint64_t))
     return broken_nanovdb("a compressed grid is cut short");
-  if (size / kMaxExpansion > *packed_size)
-    return fail(ErrorCode::kResourceExhausted, "claims to expand more than 1100 times");
+  if (size / kMaxExpansion > *packed_size || size > kMaxGridBytes)
+    return fail(ErrorCode::kResourceExhausted,
+                "claims to expand more than 1100 times, or to more than 4 GiB");
   const std::unique_ptr<libdeflate_decompressor, InflaterFree> inflater(libdeflate_alloc_decompressor());
   if (!inflater) return fail(ErrorCode::kResourceExhausted, "does not fit into memory");
   content.assign(size, '\0');

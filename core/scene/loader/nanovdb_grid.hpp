@@ -19,18 +19,23 @@ struct IndexBox {
   std::int64_t side(std::size_t axis) const { return max[axis] - min[axis]; }
 };
 
-struct DenseGrid {
-  VoxelGrid voxels;             // with the border kZero; negative values and those that are not finite are 0
-  IndexBox box{};               // of the voxels of the file
-  std::uint32_t reduction = 1;  // a voxel is the mean of so many of the file along each axis
+// The regular grid that a grid of a file becomes.
+struct GridShape {
+  IndexBox box{};                       // of the voxels of the file
+  std::uint32_t reduction = 1;          // a voxel is the mean of so many of the file along each axis
+  std::array<std::uint32_t, 3> size{};  // voxels along x, y and z
   // From the unit cube to the space of the file: three rows, the fourth column is the translation.
   std::array<std::array<double, 4>, 3> to_world{};
+
+  std::uint64_t voxel_count() const { return std::uint64_t{size[0]} * size[1] * size[2]; }
 };
 
-// The voxels of the index bounding box, at most `max_voxels` of them. Errors complete a sentence that begins
-// with the file's name: INVALID_ARGUMENT for a damaged grid, or one that has no floats.
-Result<DenseGrid> dense_grid(std::string_view grid, std::uint64_t max_voxels);
-// The voxels of another grid's box, at its places.
-Result<DenseGrid> dense_grid(std::string_view grid, const DenseGrid& other);
+// That of the index bounding box, with at most `max_voxels`. Errors complete a sentence that begins with the
+// file's name: INVALID_ARGUMENT for a damaged grid, or one that is no fog volume of floats.
+Result<GridShape> shape_of(std::string_view grid, std::uint64_t max_voxels);
+
+// The values, with the border kZero. Negative ones and those that are not finite are 0, and the largest is
+// 1e15. The same errors.
+Result<VoxelGrid> voxels_of(std::string_view grid, const GridShape& shape);
 
 }  // namespace tessera::core

@@ -56,7 +56,7 @@ void warn_of_clipping(const Conversion& conversion, const Plugin& scene) {
     scene.warn("what lies in front of 'near_clip' or beyond 'far_clip' is seen");
 }
 
-std::set<NodeId> emitters_of_shapes(const SceneGraph& graph) {
+std::set<NodeId> children_of_shapes(const SceneGraph& graph) {
   std::set<NodeId> found;
   for (const Node& node : graph.nodes) {
     if (node.kind != Kind::kShape) continue;
@@ -75,7 +75,7 @@ void convert_scene(Conversion& conversion) {
   MediumConverter media(conversion);
   ShapeConverter shapes(conversion, materials, media);
   EmitterConverter emitters(conversion, textures);
-  const std::set<NodeId> of_shapes = emitters_of_shapes(conversion.graph);
+  const std::set<NodeId> of_shapes = children_of_shapes(conversion.graph);
   for (const Plugin& emitter : scene.children(Kind::kEmitter))
     if (!of_shapes.contains(emitter.id())) emitters.add(emitter);
   for (const Plugin& shape : scene.children(Kind::kShape)) {

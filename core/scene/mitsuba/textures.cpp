@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -324,8 +323,9 @@ TextureConverter::Image TextureConverter::load(const Plugin& plugin, ColorSpace 
 }
 
 template <typename Make>
-TextureConverter::Image TextureConverter::derived(const Image& image, int key, const Make& make) {
-  auto& [original, made] = derived_[{image.get(), key}];
+TextureConverter::Image TextureConverter::derived(const Image& image, const std::string& name,
+                                                  const Make& make) {
+  auto& [original, made] = derived_[{image.get(), name}];
   if (made) return made;
   original = made = image;
   auto counted = conversion_.builder.image_pixels("derived image", {image->width(), image->height()}, make);
@@ -338,7 +338,7 @@ TextureConverter::Image TextureConverter::derived(const Image& image, int key, c
 
 TextureConverter::Image TextureConverter::mapped(const Image& image, TexelMap map) {
   if (map == TexelMap::kLuminance && is_gray(*image)) return image;
-  return derived(image, static_cast<int>(map), [&] {
+  return derived(image, map == TexelMap::kSquareRoot ? "square root" : "luminance", [&] {
     return image_of(*image, [&](Rgb texel) {
       const float value = as_number(texel);
       return Rgb::gray(map == TexelMap::kSquareRoot ? std::sqrt(value) : value);
@@ -365,17 +365,17 @@ Texture TextureConverter::mapped(Texture texture, TexelMap map) {
 
 bool TextureConverter::limit(Value& value, float largest) {
   Texture& texture = *value.texture;
-  const float factor = max_component(value.factor);
-  if (!(max_component(texture.largest() * value.factor) > largest)) return false;
-  const float most = largest / factor;
+  const Rgb factor = value.factor;
+  if (!(max_component(texture.largest() * factor) > largest)) return false;
   if (texture.procedural) {
-    texture.procedural->max = most;
+    texture.procedural->max = largest / max_component(factor);
     return true;
   }
-  const int key = std::bit_cast<int>(most);  // far above the others
-  texture.image = derived(texture.image, key, [&image = *texture.image, most] {
-    return image_of(image, [most](Rgb c) {
-      return Rgb{std::min(c.r, most), std::min(c.g, most), std::min(c.b, most)};
+  const std::string name = fmt::format("at most {} / ({}, {}, {})", largest, factor.r, factor.g, factor.b);
+  texture.image = derived(texture.image, name, [&image = *texture.image, &factor, largest] {
+    const auto limited = [largest](float c, float by) { return c * by > largest ? largest / by : c; };
+    return image_of(image, [&](Rgb c) {
+      return Rgb{limited(c.r, factor.r), limited(c.g, factor.g), limited(c.b, factor.b)};
     });
   });
   return true;
@@ -383,8 +383,7 @@ bool TextureConverter::limit(Value& value, float largest) {
 
 TextureConverter::Image TextureConverter::with_signs(const Image& image, bool flip_red, bool flip_green) {
   if (!flip_red && !flip_green) return image;
-  constexpr int kFirstKey = 8;  // behind those of TexelMap
-  return derived(image, kFirstKey + (flip_red ? 1 : 0) + (flip_green ? 2 : 0), [&] {
+  return derived(image, fmt::format("flipped {} {}", flip_red, flip_green), [&] {
     return image_of(*image, [&](Rgb texel) {
       const auto flipped = [](float channel) { return std::max(1 - channel, 0.0f); };
       return Rgb{flip_red ? flipped(texel.r) : texel.r, flip_green ? flipped(texel.g) : texel.g, texel.b};

@@ -88,12 +88,13 @@ class TextureConverter {
   bool limit(Value& value, float largest);
   Image with_signs(const Image& image, bool flip_red, bool flip_green);
   // `make` returns the texels of an image derived from `image`, counted against the limits, once for each
-  // key.
+  // name.
   template <typename Make>
-  Image derived(const Image& image, int key, const Make& make);
+  Image derived(const Image& image, const std::string& name, const Make& make);
 
   Conversion& conversion_;
-  std::map<std::pair<const TextureImage*, int>, std::pair<Image, Image>> derived_;  // of which, and itself
+  std::map<std::pair<const TextureImage*, std::string>, std::pair<Image, Image>>
+      derived_;  // of which, and itself
   std::map<std::tuple<NodeId, UvLayout, const AttributeTextures*>, Value> known_;
   std::map<NodeId, std::optional<Texture>> grids_;
   std::map<std::array<float, 6>, Image> boards_;  // by their two colours

@@ -22,7 +22,7 @@ Vec3 noise_gradient(Vec3 p) {
 }  // namespace
 
 float CloudDensity::at(Vec3 point) const {
-  if (point.y <= 0 || point.y >= 1) return point.y <= 0 ? 1 : 0;  // whatever the noise is
+  if (point.y <= 0) return 1;  // whatever the noise is
   constexpr int kWispOctaves = 2, kOctaves = 5;
   Vec3 p = point * frequency;
   float shift = 0.05f * std::max(wispiness, 0.0f), shift_frequency = 10;
@@ -37,14 +37,20 @@ float CloudDensity::at(Vec3 point) const {
   return std::isfinite(value) ? value : 0;
 }
 
-std::optional<VoxelGrid> CloudDensity::grid(Vec3 from, Vec3 to) const {
+std::optional<std::array<std::uint32_t, 3>> CloudDensity::grid_size(Vec3 from, Vec3 to) {
   const Vec3 sides = to - from;
   const float longest = std::max({std::fabs(sides.x), std::fabs(sides.y), std::fabs(sides.z)});
   if (!is_finite(from) || !is_finite(sides) || longest == 0) return std::nullopt;
-  VoxelGrid grid;
-  for (int axis = 0; axis < 3; ++axis)
-    grid.size[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(std::clamp(
-        std::ceil(kVoxelsOfLongestSide * std::fabs(sides[axis]) / longest), 1.0f, kVoxelsOfLongestSide));
+  const auto count = [&](float side) {
+    const float wanted = std::ceil(kVoxelsOfLongestSide * std::fabs(side) / longest);
+    return static_cast<std::uint32_t>(std::clamp(wanted, 1.0f, kVoxelsOfLongestSide));
+  };
+  return std::array{count(sides.x), count(sides.y), count(sides.z)};
+}
+
+VoxelGrid CloudDensity::grid(Vec3 from, Vec3 to, const std::array<std::uint32_t, 3>& size) const {
+  const Vec3 sides = to - from;
+  VoxelGrid grid{.size = size};
   const auto place = [&](int axis, std::uint32_t index) {
     const auto count = static_cast<float>(grid.size[static_cast<std::size_t>(axis)]);
     return from[axis] + sides[axis] * (static_cast<float>(index) + 0.5f) / count;

@@ -128,16 +128,16 @@ std::optional<VoxelGrid> Media::grid_of(const Parameters& p, std::string_view na
   return grid;
 }
 
-bool Media::may_compute(std::uint64_t values, const Place& place) {
-  constexpr std::uint64_t kMaxComputedValues = 1u << 26;
-  if (computed_values_ + values > kMaxComputedValues) {
+bool Media::reserve_values(std::uint64_t count, const Place& place) {
+  constexpr std::uint64_t kMaxValues = 1u << 27;
+  if (reserved_values_ + count > kMaxValues) {
     report_.warn(place,
                  fmt::format("clouds and NanoVDB files have more than {} values together; further ones "
                              "are left out",
-                             kMaxComputedValues));
+                             kMaxValues));
     return false;
   }
-  computed_values_ += values;
+  reserved_values_ += count;
   return true;
 }
 
@@ -181,6 +181,7 @@ void Media::set_temperatures(const Parameters& p, const VoxelGrid& temperatures,
   TemperatureUnits units;
   units.offset = p.number("temperatureoffset", p.number("temperaturecutoff", units.offset));
   units.scale = p.number("temperaturescale", units.scale);
+  report_.warn(p.place(), "the light of temperatures is computed at the voxels, and linear between them");
   VoxelGrid colors = black_bodies(temperatures, units);
   for (std::size_t i = 0; shares && i < colors.values.size(); ++i) colors.values[i] *= shares->values[i / 3];
   medium.emission = coefficients(exposure_(Rgb::gray(emission_scale(p))));
@@ -204,12 +205,13 @@ bool Media::read_cloud(const Parameters& p, const Matrix& to_world, MediumDescri
   cloud.density = p.number_in("density", cloud.density, 0, kMaxCoefficient);
   cloud.wispiness = p.number_in("wispiness", cloud.wispiness, 0, kMaxCoefficient);
   cloud.frequency = p.number_in("frequency", cloud.frequency, -kMaxCoefficient, kMaxCoefficient);
-  auto grid = cloud.grid(p.vector("p0", {}), p.vector("p1", {1, 1, 1}));
-  if (!grid || !may_compute(grid->values.size(), p.place())) return false;
+  const Vec3 from = p.vector("p0", {}), to = p.vector("p1", {1, 1, 1});
+  const auto size = CloudDensity::grid_size(from, to);
+  if (!size || !reserve_values(std::uint64_t{(*size)[0]} * (*size)[1] * (*size)[2], p.place())) return false;
   report_.warn(p.place(), "cloud",
                fmt::format("the density of the medium 'cloud' is computed for a grid of {} x {} x {} voxels",
-                           grid->size[0], grid->size[1], grid->size[2]));
-  medium.absorption_grid = medium.scattering_grid = add_grid(*std::move(grid));
+                           (*size)[0], (*size)[1], (*size)[2]));
+  medium.absorption_grid = medium.scattering_grid = add_grid(cloud.grid(from, to, *size));
   place_grid(p, to_world, medium);
   return true;
 }

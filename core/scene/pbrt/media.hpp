@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/media/medium_description.hpp"
+#include "core/scene/loader/nanovdb_grid.hpp"
 #include "core/scene/pbrt/colors.hpp"
 #include "core/scene/pbrt/exposure.hpp"
 #include "core/scene/pbrt/matrix.hpp"
@@ -36,6 +37,9 @@ class Media {
   bool read_rgb_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium);
   bool read_cloud(const Parameters& p, const Matrix& to_world, MediumDescription& medium);
   bool read_nanovdb(const Parameters& p, const Matrix& to_world, MediumDescription& medium);
+  // Light by the temperatures of the file of a grid of this shape, if there are some.
+  void add_temperatures(const Parameters& p, std::string_view file, const GridShape& shape,
+                        MediumDescription& medium);
   // Light by temperatures, times `shares` at each voxel if they are given.
   void set_temperatures(const Parameters& p, const VoxelGrid& temperatures,
                         const std::optional<VoxelGrid>& shares, MediumDescription& medium);
@@ -43,8 +47,8 @@ class Media {
   std::optional<VoxelGrid> grid_of(const Parameters& p, std::string_view name, std::uint32_t channels);
   // The index of the grid in the scene; -1 for none.
   int add_grid(std::optional<VoxelGrid> grid);
-  // Whether a grid that takes little of a file may have so many values; else it is told.
-  bool may_compute(std::uint64_t values, const Place& place);
+  // Counts the values of a grid that takes little of a file. False, with a warning, beyond the limit.
+  bool reserve_values(std::uint64_t count, const Place& place);
   void place_grid(const Parameters& p, const Matrix& to_world, MediumDescription& medium) const;
 
   SceneBuilder& builder_;
@@ -52,7 +56,7 @@ class Media {
   Colors& colors_;
   Exposure exposure_;
   std::map<std::string, int> names_;
-  std::uint64_t computed_values_ = 0;
+  std::uint64_t reserved_values_ = 0;
 };
 
 }  // namespace tessera::core::pbrt

@@ -170,13 +170,18 @@ Place Parameters::place_of(const Parameter* parameter) const {
   return is_own ? parameter->place : place_;
 }
 
-const Parameter* Parameters::find(std::string_view name) const {
+const Parameter* Parameters::last(std::string_view name) const {
   const auto found =
       std::find_if(list_.rbegin(), list_.rend(), [&](const Parameter& p) { return p.name == name; });
-  if (found == list_.rend()) return defaults_ ? defaults_->find(name) : nullptr;
+  return found == list_.rend() ? nullptr : &*found;
+}
+
+const Parameter* Parameters::find(std::string_view name) const {
+  const Parameter* found = last(name);
+  if (found == nullptr) return defaults_ ? defaults_->find(name) : nullptr;
   found->is_used = true;
   if (found->is_used_anywhere) *found->is_used_anywhere = true;
-  return &*found;
+  return found;
 }
 
 void Parameters::share_use() {

@@ -49,6 +49,8 @@ class Parameters {
   // The last parameter of this name, whatever its type, or that of the defaults; else null. Marks it as used.
   const Parameter* find(std::string_view name) const;
   bool has(std::string_view name) const { return find(name) != nullptr; }
+  // Whether a later one has the name of this one of the list.
+  bool is_repeated(const Parameter& parameter) const { return last(parameter.name) != &parameter; }
 
   // The first value of a parameter; nullopt if it is not given, or has no value of this kind, which is
   // remarked. Integers count as numbers, and numbers as integers, without their fraction.
@@ -93,6 +95,8 @@ class Parameters {
   std::vector<const Parameter*> unused() const;
 
  private:
+  // The last one of the list that has this name, or null.
+  const Parameter* last(std::string_view name) const;
   // The rest of its values is not used.
   void expect_multiple(const Parameter& parameter, std::size_t values, std::size_t of) const;
 

@@ -9,10 +9,10 @@ namespace tessera::core::pbrt {
 
 void Report::tell(const Parameters& parameters, std::string_view owner) const {
   for (const Parameter* parameter : parameters.unused()) {
-    const bool is_repeated = parameters.find(parameter->name) != parameter;
     const std::string text =
         fmt::format("the parameter {} of {} {}", in_quotes(parameter->name), owner,
-                    is_repeated ? "is given again; the last one is used" : "is not supported; it is ignored");
+                    parameters.is_repeated(*parameter) ? "is given again; the last one counts"
+                                                       : "is not supported; it is ignored");
     warn(parameter->place, text, text);
   }
   for (const Parameters::Remark& remark : parameters.remarks()) {

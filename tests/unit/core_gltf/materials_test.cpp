@@ -342,6 +342,25 @@ TEST(GltfMaterials, SpecularGlossinessOfMetals) {
   EXPECT_THAT(warnings_of(textured), HasSubstr("a mixture of a dielectric and a metal"));
 }
 
+// The same image with the same factors, once as the colour and once as the reflectance.
+TEST(GltfMaterials, WhatIsMadeOfAnImageDependsOnItsUse) {
+  GltfFile file =
+      file_with(extension("KHR_materials_pbrSpecularGlossiness", {{"diffuseTexture", texture()}}));
+  file.json["materials"].push_back(
+      extension("KHR_materials_pbrSpecularGlossiness", {{"specularGlossinessTexture", texture()}}));
+  file.node({{"mesh", file.triangle(1)}});
+  const auto scene = load_file(file);
+  ASSERT_TRUE(scene) << scene.error().message;
+  ASSERT_EQ(scene->materials.size(), 2u);
+  const auto alone =
+      scene_of(extension("KHR_materials_pbrSpecularGlossiness", {{"specularGlossinessTexture", texture()}}));
+  const auto metalness = [](const SceneDescription& of, std::size_t material) {
+    return texture_value(of, model_of(of, material).base_metalness.texture);
+  };
+  EXPECT_EQ(metalness(*scene, 1), metalness(alone, 0));
+  EXPECT_NE(metalness(*scene, 1), metalness(*scene, 0));
+}
+
 // Green of one texture is the roughness, blue of the other a factor of the strength.
 TEST(GltfMaterials, AnisotropyFollowsTexturesOfRoughness) {
   const float alpha = std::pow(188.0f / 255, 2.0f);

@@ -167,6 +167,14 @@ TEST(PbrtDirectives, WhatIsNotSupportedIsTold) {
               HasSubstr("scene.pbrt:4: the shape 'voronoi' is not supported; it is left out"));
 }
 
+TEST(PbrtDirectives, TheLastOfRepeatedParametersCounts) {
+  const SceneDescription scene = pbrt_world("Shape \"sphere\" \"float radius\" 1\n\"float radius\" 2");
+  EXPECT_EQ(sphere_of(scene).radius, 2);
+  EXPECT_THAT(warnings_of(scene),
+              HasSubstr("the parameter 'radius' of the shape 'sphere' is given again; the "
+                        "last one counts"));
+}
+
 const InstanceMotion& only_motion(const SceneDescription& scene) {
   static const InstanceMotion kNone;
   EXPECT_EQ(scene.animation.instances.size(), 1u);
@@ -174,14 +182,6 @@ const InstanceMotion& only_motion(const SceneDescription& scene) {
 }
 
 // Frame 0 is the time when the shutter opens, and each second has a frame.
-TEST(PbrtDirectives, TheLastOfRepeatedParametersCounts) {
-  const SceneDescription scene = pbrt_world("Shape \"sphere\" \"float radius\" 1\n\"float radius\" 2");
-  EXPECT_EQ(sphere_of(scene).radius, 2);
-  EXPECT_THAT(warnings_of(scene),
-              HasSubstr("the parameter 'radius' of the shape 'sphere' is given again; the "
-                        "last one is used"));
-}
-
 TEST(PbrtDirectives, ActiveTransformMovesAShapeWhileTheShutterIsOpen) {
   const SceneDescription scene = pbrt_scene(
       "Camera \"perspective\" \"float shutteropen\" 1 \"float shutterclose\" 1.5\nTransformTimes 1 2\n"
