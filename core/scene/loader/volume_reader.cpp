@@ -3,9 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <bit>
 #include <cmath>
 #include <cstring>
+
+#include "core/scene/loader/bytes_at.hpp"
 
 namespace tessera::core {
 namespace {
@@ -13,13 +14,6 @@ namespace {
 constexpr std::size_t kVolumeHeaderBytes = 48;
 constexpr unsigned char kVolumeVersion = 3;
 constexpr std::uint32_t kFloatEncoding = 1;
-
-std::uint32_t little_endian_word(std::string_view bytes, std::size_t at) {
-  std::uint32_t word = 0;
-  for (std::size_t i = 0; i < 4; ++i)
-    word |= std::uint32_t{static_cast<unsigned char>(bytes[at + i])} << (8 * i);
-  return word;
-}
 
 tl::unexpected<Error> bad_volume(std::string message) {
   return fail(ErrorCode::kInvalidArgument, std::move(message));
@@ -29,15 +23,16 @@ tl::unexpected<Error> bad_volume(std::string message) {
 Result<VoxelGrid> read_volume_header(std::string_view bytes) {
   if (bytes.size() < kVolumeHeaderBytes || !bytes.starts_with(kVolumeMagic))
     return bad_volume("is not a grid volume file: it does not begin with \"VOL\" and a header");
+  const auto word_at = [&](std::size_t offset) { return *bytes_at<std::uint32_t>(bytes, offset); };
   if (static_cast<unsigned char>(bytes[3]) != kVolumeVersion)
     return bad_volume(fmt::format("is a grid volume of version {}; only version {} is read",
                                   static_cast<unsigned char>(bytes[3]), kVolumeVersion));
-  if (const std::uint32_t encoding = little_endian_word(bytes, 4); encoding != kFloatEncoding)
+  if (const std::uint32_t encoding = word_at(4); encoding != kFloatEncoding)
     return bad_volume(fmt::format("has values of encoding {}; only encoding {}, 32-bit floats, is read",
                                   encoding, kFloatEncoding));
   VoxelGrid grid;
-  for (std::size_t axis = 0; axis < 3; ++axis) grid.size[axis] = little_endian_word(bytes, 8 + 4 * axis);
-  grid.channels = little_endian_word(bytes, 20);
+  for (std::size_t axis = 0; axis < 3; ++axis) grid.size[axis] = word_at(8 + 4 * axis);
+  grid.channels = word_at(20);
   for (const std::uint32_t side : grid.size)
     if (side == 0 || side > kMaxGridSide)
       return bad_volume(fmt::format("has {} x {} x {} voxels; a side may have 1 to {}", grid.size[0],
@@ -58,7 +53,6 @@ Result<VoxelGrid> read_volume(std::string_view bytes) {
                                   bytes.size(), grid->size[0], grid->size[1], grid->size[2],
                                   kVolumeHeaderBytes + count * sizeof(float)));
   grid->values.resize(count);
-  static_assert(std::endian::native == std::endian::little);
   std::memcpy(grid->values.data(), bytes.data() + kVolumeHeaderBytes, count * sizeof(float));
   for (std::size_t i = 0; i < count; ++i)
     if (!(std::isfinite(grid->values[i]) && grid->values[i] >= 0))

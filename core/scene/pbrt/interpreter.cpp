@@ -62,8 +62,8 @@ Interpreter::Handler Interpreter::handler_of(std::string_view directive) {
       {"CoordinateSystem", &I::coordinate_system},
       {"Film", &I::film},
       {"Identity", &I::identity},
-      {"Import", &I::import},
-      {"Include", &I::include},
+      {"Import", &I::import_file},
+      {"Include", &I::include_file},
       {"Integrator", &I::integrator},
       {"LightSource", &I::light_source},
       {"LookAt", &I::look_at_directive},
@@ -165,7 +165,7 @@ Result<SourceText> Interpreter::named_source(File& file) {
   return read;
 }
 
-Status Interpreter::include(File& file) {
+Status Interpreter::include_file(File& file) {
   auto source = named_source(file);
   if (!source) return fail(source.error());
   file.tokens.include(*std::move(source));
@@ -173,7 +173,7 @@ Status Interpreter::include(File& file) {
 }
 
 // What an imported file changes ends with it, but for what it names.
-Status Interpreter::import(File& file) {
+Status Interpreter::import_file(File& file) {
   auto source = named_source(file);
   if (!source) return fail(source.error());
   const GraphicsState before = state_;

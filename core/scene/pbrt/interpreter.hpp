@@ -78,8 +78,8 @@ class Interpreter {
   Status coordinate_system(File& file);
   Status film(File& file);
   Status identity(File& file);
-  Status import(File& file);
-  Status include(File& file);
+  Status import_file(File& file);
+  Status include_file(File& file);
   Status integrator(File& file);
   Status light_source(File& file);
   Status look_at_directive(File& file);
