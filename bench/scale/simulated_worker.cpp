@@ -68,10 +68,11 @@ void SimulatedWorker::synchronize() {
   just_finished_.clear();
   just_given_.clear();
   sync_call_ = call;
+  call->worker = shared_from_this();
   stub_->async()->Synchronize(&call->context, &call->request, &call->response,
-                              [self = shared_from_this(), call](const grpc::Status& status) {
-                                const std::lock_guard lock(self->mutex_);
-                                self->synchronized(*call, status);
+                              [call](const grpc::Status& status) {
+                                const std::lock_guard lock(call->worker->mutex_);
+                                call->worker->synchronized(*call, status);
                               });
 }
 
@@ -223,10 +224,11 @@ void SimulatedWorker::deliver_next() {
 
 void SimulatedWorker::submit(std::shared_ptr<SubmitCall> call) {
   submit_call_ = call;
+  call->worker = shared_from_this();
   stub_->async()->SubmitResult(&call->context, &call->request, &call->response,
-                               [self = shared_from_this(), call](const grpc::Status& status) {
-                                 const std::lock_guard lock(self->mutex_);
-                                 self->delivered(call, status);
+                               [call](const grpc::Status& status) {
+                                 const std::lock_guard lock(call->worker->mutex_);
+                                 call->worker->delivered(call, status);
                                });
 }
 

@@ -46,7 +46,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   SimulatedWorker(int number, Speed speed, std::shared_ptr<grpc::Channel> channel, World world);
 
   void start();
-  // Cancels its calls and starts no others. Its last call has ended when nobody else holds a reference.
+  // Cancels its calls and starts no others. A call that is being sent holds a reference.
   void stop();
 
  private:
@@ -64,6 +64,8 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   };
   template <typename Request, typename Response>
   struct Call {
+    std::shared_ptr<SimulatedWorker>
+        worker;  // while it is sent. Released after the context, which uses the connection
     grpc::ClientContext context;
     Request request;
     Response response;

@@ -19,8 +19,7 @@ constexpr auto kBetweenArrivals = 1ms;
 SimulatedWorkers::~SimulatedWorkers() {
   for (std::size_t i = 0; i < workers_.size(); ++i) kill(i);
   // Calls in progress hold their workers until they have ended.
-  for (const auto& worker : killed_)
-    while (!worker.expired()) std::this_thread::sleep_for(1ms);
+  while (alive_ > 0) std::this_thread::sleep_for(1ms);
 }
 
 core::Status SimulatedWorkers::start(int count, const Speed& speed, const std::string& address) {
@@ -28,8 +27,13 @@ core::Status SimulatedWorkers::start(int count, const Speed& speed, const std::s
     auto channel = own_connection(address);
     if (!channel) return core::fail(channel.error());
     last_connection_ = *std::move(channel);
-    workers_.push_back(std::make_shared<SimulatedWorker>(i, speed, last_connection_,
-                                                         SimulatedWorker::World{tiles_, timeline_, tally_}));
+    ++alive_;
+    workers_.emplace_back(
+        new SimulatedWorker(i, speed, last_connection_, SimulatedWorker::World{tiles_, timeline_, tally_}),
+        [this](const SimulatedWorker* worker) {
+          delete worker;
+          --alive_;
+        });
     workers_.back()->start();
     std::this_thread::sleep_for(kBetweenArrivals);
   }
@@ -40,7 +44,6 @@ void SimulatedWorkers::kill(std::size_t worker) {
   const std::shared_ptr<SimulatedWorker> killed = std::move(workers_[worker]);
   if (!killed) return;
   killed->stop();
-  killed_.push_back(killed);
 }
 
 }  // namespace tessera::bench

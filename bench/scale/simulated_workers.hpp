@@ -5,6 +5,7 @@
 
 #include <grpcpp/channel.h>
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,7 +24,7 @@ class SimulatedWorkers {
   // The tally must outlive it. `layers`: of all jobs.
   explicit SimulatedWorkers(Tally& tally, const core::LayerSet& layers = {})
       : tally_(tally), tiles_(layers) {}
-  // Waits for the end of their calls.
+  // Waits for the end of their calls and connections.
   ~SimulatedWorkers();
   SimulatedWorkers(const SimulatedWorkers&) = delete;
   SimulatedWorkers& operator=(const SimulatedWorkers&) = delete;
@@ -38,12 +39,13 @@ class SimulatedWorkers {
  private:
   Tally& tally_;
   // Of the last worker. The last owner of a worker can be a thread of gRPC's, and gRPC 1.51 stops these
-  // threads with the last connection: on one of them it would free its queue twice. So this one ends here.
+  // threads with the last connection: on one of them it would free its queue twice. So this one ends here,
+  // after those of all workers.
   std::shared_ptr<grpc::Channel> last_connection_;
   const ReadyTiles tiles_;
   Timeline timeline_;
+  std::atomic<int> alive_ = 0;  // counted down when a worker's destructor has ended
   std::vector<std::shared_ptr<SimulatedWorker>> workers_;  // null where one was killed
-  std::vector<std::weak_ptr<SimulatedWorker>> killed_;
 };
 
 }  // namespace tessera::bench
