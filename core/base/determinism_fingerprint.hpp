@@ -9,6 +9,6 @@
 
 namespace tessera::core {
 
-inline constexpr std::string_view kDeterminismFingerprint = "9391f9a906c35d8d";
+inline constexpr std::string_view kDeterminismFingerprint = "472a3d18fadd1acb";
 
 }  // namespace tessera::core

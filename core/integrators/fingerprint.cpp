@@ -229,8 +229,8 @@ SceneDescription sunlit_room() {
                     procedural(WindyPattern{})};
   scene.materials = {{.name = "floor", .model = Lambert{texture(5)}},
                      {.name = "wall", .model = Lambert{texture(6)}, .bump = {.texture = 12, .height = 0.1f}},
-                     {.name = "side", .model = Lambert{texture(11)}},
-                     {.name = "ball", .model = Plastic{.diffuse = texture(8), .roughness = {1, 7}}},
+                     {.name = "side", .model = Lambert{texture(8)}},
+                     {.name = "ball", .model = Plastic{.diffuse = texture(11), .roughness = {1, 7}}},
                      {.name = "pane", .model = Glass{}}};
   scene.shapes = {QuadDescription{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, 0},
                   QuadDescription{{-2, 0, -2}, {4, 0, 0}, {0, 3, 0}, 1},

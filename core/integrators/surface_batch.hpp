@@ -30,8 +30,12 @@ struct SurfaceBatch {
   RgbOf<FloatN> tints() const;
   // What the models' parameters are evaluated at.
   MaterialPointOf<FloatN> material_point() const {
-    return {scene.textures(), {uv_sets(), surface.position},          side.outside,
-            tints(),          scene.primitives().has_vertex_colors(), wavelength};
+    return {scene.textures(),
+            {uv_sets(), surface.position, surface.geometric_normal},
+            side.outside,
+            tints(),
+            scene.primitives().has_vertex_colors(),
+            wavelength};
   }
   UvSetsOf<FloatN> uv_sets() const { return scene.primitives().uv_sets(hits, surface.uv); }
   // The lanes where the viewer sees the back of a surface that only its front scatters from.
