@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -79,6 +80,15 @@ core::Result<LocalBundle> bundle_scene(const std::string& scene_path, const Scen
   local.warnings = scene->warnings;
   local.bundle = to_bundle(core::printable(file_name), digests);
   return local;
+}
+
+bool has_warning(const LocalBundle& local, const std::string& warning) {
+  const std::string folder = (std::filesystem::path(local.folder) / "").string();
+  return std::any_of(local.warnings.begin(), local.warnings.end(), [&](std::string known) {
+    for (std::size_t at = 0; !folder.empty() && (at = known.find(folder, at)) != std::string::npos;)
+      known.erase(at, folder.size());
+    return known == warning;
+  });
 }
 
 }  // namespace tessera::client

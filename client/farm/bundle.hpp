@@ -38,4 +38,8 @@ struct SceneChoice {
 
 core::Result<LocalBundle> bundle_scene(const std::string& scene_path, const SceneChoice& choice);
 
+// Whether the bundle's warnings have one that a coordinator, which knows only names in the bundle, writes
+// like this.
+bool has_warning(const LocalBundle& local, const std::string& warning);
+
 }  // namespace tessera::client

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <string>
 #include <vector>
@@ -68,8 +67,7 @@ core::Result<v1::Job> submit_job(Farm& farm, const Submission& submission, const
     return core::fail(core::ErrorCode::kInvalidArgument, job->failure());
   // Most warnings were printed before anything was sent.
   for (const std::string& warning : job->warnings())
-    if (std::find(local.warnings.begin(), local.warnings.end(), warning) == local.warnings.end())
-      print_warning(warning);
+    if (!has_warning(local, warning)) print_warning(warning);
   return job;
 }
 

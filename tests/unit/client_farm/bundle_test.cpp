@@ -53,6 +53,24 @@ TEST(Bundle, RefusesInTheWordsOfALocalRender) {
   EXPECT_EQ(local.error().message, here.error().message);
 }
 
+TEST(Bundle, KnowsItsWarningsInTheWordsOfACoordinator) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "scene.pbrt") << R"(Film "rgb" "string filename" "x.png"
+WorldBegin
+Include "part.pbrt"
+Shape "sphere" "float zmin" 0 "float lost" 1
+)";
+  std::ofstream(folder.path() / "part.pbrt") << "Material \"diffuse\" \"float missing\" 1\n";
+  const auto local = bundle_scene(folder.path() / "scene.pbrt", {});
+  ASSERT_TRUE(local.has_value()) << local.error().message;
+  core::FolderAssets files(folder.path().string());
+  const auto there = core::load_scene(files, "scene.pbrt", "scene.pbrt");
+  ASSERT_TRUE(there.has_value()) << there.error().message;
+  ASSERT_GE(there->warnings.size(), 2u);
+  for (const std::string& warning : there->warnings) EXPECT_TRUE(has_warning(*local, warning)) << warning;
+  EXPECT_FALSE(has_warning(*local, "something else"));
+}
+
 constexpr const char* kLatin1Texture = "caf\xe9.png";
 
 // Writes a scene whose mesh has a texture with a name in Latin-1. `more` are its further keys.
