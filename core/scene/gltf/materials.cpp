@@ -161,6 +161,9 @@ ScalarParameter Materials::opacity(const Value& material, float vertex_alpha) {
   if (mode == AlphaMode::kBlend) return {alpha, textures_.data(info, TextureChannel::kAlpha)};
   const float cutoff = material.number_or("alphaCutoff", 0.5f);
   if (!info.exists()) return alpha >= cutoff ? 1.0f : 0.0f;
+  document_.warn(
+      info, "mask",
+      "a mask is compared with its cutoff texel by texel: interpolated edges are soft within a texel");
   return {1, textures_.converted(info, TextureChannel::kAlpha, fmt::format("mask {} {}", alpha, cutoff),
                                  [&](float value) { return value * alpha >= cutoff ? 1.0f : 0.0f; })};
 }

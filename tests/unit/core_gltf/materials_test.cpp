@@ -77,6 +77,7 @@ TEST(GltfMaterials, MaskByTextures) {
     ASSERT_TRUE(scene) << scene.error().message;
     const ScalarParameter& opacity = scene->materials[0].opacity;
     EXPECT_EQ(texture_value(*scene, opacity.texture).r * opacity.value, expected) << cutoff;
+    EXPECT_EQ(scene->warnings.size(), 1u);
   }
 }
 
