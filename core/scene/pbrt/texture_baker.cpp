@@ -56,7 +56,7 @@ void collect(const TextureNode& texture, Needs& needs) {
     needs.u.push_back(image_need(image->mapping.scale.x, image->image->width()));
     needs.v.push_back(image_need(image->mapping.scale.y, image->image->height()));
     needs.mappings.push_back(image->mapping);
-    needs.clamps |= image->wrap == Wrap::kClamp || image->black_outside;
+    needs.clamps |= image->wrap == Wrap::kClamp;
   } else if (const auto* checker = std::get_if<CheckerNode>(&texture.node)) {
     needs.u.push_back(checker_need(checker->mapping.scale.x));
     needs.v.push_back(checker_need(checker->mapping.scale.y));
@@ -193,7 +193,7 @@ std::optional<PlainImage> plain_image(const TextureNode& texture, const ValueRan
     inner = affine->base.get();
   }
   const auto* image = std::get_if<ImageNode>(&inner->node);
-  if (image == nullptr || image->black_outside) return std::nullopt;
+  if (image == nullptr) return std::nullopt;
   const Rgb farthest = image->image->largest() * factor;  // from 0, on either side
   const bool has_sign = range.min < 0 || (factor.r >= 0 && factor.g >= 0 && factor.b >= 0);
   return has_sign && clamped(farthest, range) == farthest ? std::optional(PlainImage{image, factor})

@@ -18,12 +18,7 @@ float power(float base, float exponent) {
   return static_cast<float>(pow(static_cast<double>(std::max(base, 0.0f)), static_cast<double>(exponent)));
 }
 
-bool is_inside(Vec2 st) {
-  return st.x >= 0 && st.x <= 1 && st.y >= 0 && st.y <= 1;
-}
-
 Rgb image_at(const ImageNode& n, Vec2 st) {
-  if (n.black_outside && !is_inside(st)) return {};
   if (n.filter == TextureFilter::kLinear) return n.image->bilinear(st, n.wrap, n.wrap);
   return Texture{.image = n.image, .wrap = n.wrap, .filter = n.filter}.evaluate(st);
 }
@@ -55,6 +50,25 @@ Transform map_of(const UvMapping& mapping) {
           {0, not_0(mapping.scale.y), 0},
           {0, 0, 1},
           {mapping.offset.x, mapping.offset.y, 0}};
+}
+
+TextureImage with_black_border(const TextureImage& image) {
+  const int width = image.width() + 2, height = image.height() + 2;
+  std::vector<float> values(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
+  for (int y = 1; y + 1 < height; ++y)
+    for (int x = 1; x + 1 < width; ++x) {
+      const Rgb c = image.texel(x - 1, y - 1);
+      const std::size_t first =
+          3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+      values[first] = c.r, values[first + 1] = c.g, values[first + 2] = c.b;
+    }
+  return TextureImage(width, height, std::move(values));
+}
+
+UvMapping inside_of_border(const UvMapping& mapping, const TextureImage& image) {
+  const auto width = static_cast<float>(image.width()), height = static_cast<float>(image.height());
+  return {{mapping.scale.x * width / (width + 2), mapping.scale.y * height / (height + 2)},
+          {(mapping.offset.x * width + 1) / (width + 2), (mapping.offset.y * height + 1) / (height + 2)}};
 }
 
 TexturePtr constant_texture(Rgb value) {

@@ -29,6 +29,10 @@ struct UvMapping {
 // From (u, v, 0) to (s, t, 0). A scale of 0 becomes a small one, so that it has an inverse.
 Transform map_of(const UvMapping& mapping);
 
+// The image in a border of black texels, one wide, and its mapping where that of `image` is `mapping`.
+TextureImage with_black_border(const TextureImage& image);
+UvMapping inside_of_border(const UvMapping& mapping, const TextureImage& image);
+
 struct ConstantNode {
   Rgb value;
 };
@@ -37,7 +41,6 @@ struct ImageNode {
   std::shared_ptr<const TextureImage> image;
   Wrap wrap = Wrap::kRepeat;
   UvMapping mapping{};
-  bool black_outside = false;  // outside of the unit square, instead of `wrap`
   TextureFilter filter = TextureFilter::kLinear;
 };
 

@@ -257,13 +257,14 @@ Result<TexturePtr> Textures::image(const Parameters& p, const std::string& file,
   node.mapping = mapping(p);
   const std::string wrap = p.choice("wrap", default_wrap, {"repeat", "clamp", "black"});
   node.wrap = wrap == "repeat" ? Wrap::kRepeat : Wrap::kClamp;
-  node.black_outside = wrap == "black";
   if (p.text("filter") == "point") node.filter = TextureFilter::kNearest;
   const std::string channel = p.text("channel");
   if (is_number && channel.empty()) {
     auto alpha = builder_.image_file(*path, {ColorSpace::kLinear, TextureChannel::kAlpha});
     if (alpha && !is_one_texel(**alpha)) {
       node.image = *alpha;
+      if (wrap == "black")
+        if (auto done = surround_with_black(file, node); !done) return fail(done.error());
       return decoded_alpha(node, encoding, !has_float_ending(file));
     }
   }
@@ -274,9 +275,22 @@ Result<TexturePtr> Textures::image(const Parameters& p, const std::string& file,
     return constant_texture(kUnknownColor);
   }
   node.image = *decoded;
+  if (wrap == "black")
+    if (auto done = surround_with_black(file, node); !done) return fail(done.error());
   TexturePtr texture = make_texture(node);
   if (encoding.gamma != 1) texture = make_texture(PowerNode{texture, encoding.gamma});
   return is_number && !is_gray(*node.image) ? make_texture(MeanNode{texture}) : texture;
+}
+
+// pbrt blends the outer texels with black ones, too.
+Status Textures::surround_with_black(const std::string& file, ImageNode& node) {
+  const SceneBuilder::Image inner = node.image;
+  auto image = builder_.image_pixels(file, {inner->width() + 2, inner->height() + 2},
+                                     [&] { return with_black_border(*inner); });
+  if (!image) return fail(image.error());
+  node.image = *image;
+  node.mapping = inside_of_border(node.mapping, *inner);
+  return {};
 }
 
 // Only the mapping "uv" has it.

@@ -55,6 +55,7 @@ class Textures {
   Rgb value(const Parameters& p, std::string_view name, float otherwise, Kind type);
   TexturePtr named(const Parameters& p, const Parameter& parameter, Kind type);
   UvMapping mapping(const Parameters& p);
+  Status surround_with_black(const std::string& file, ImageNode& node);
 
   SceneBuilder& builder_;
   const Report& report_;

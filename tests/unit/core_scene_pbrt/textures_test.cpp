@@ -82,6 +82,39 @@ TEST(PbrtTextures, ImagesStayImages) {
   EXPECT_EQ(warnings_of(surface.scene()), "");
 }
 
+// Also the outer texels are blended with black.
+TEST(PbrtTextures, ImagesThatAreBlackOutside) {
+  const auto color_at = [](const std::string& parameters, float u, float v) {
+    const Reflectance surface(
+        "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"four.png\" "
+        "\"string wrap\" \"black\" \"float uscale\" 2 " +
+            parameters,
+        four_colors());
+    EXPECT_EQ(warnings_of(surface.scene()), "");
+    return surface.at(u, v);
+  };
+  expect_color(color_at("", 0.125f, 0.25f), {0, 1, 0});
+  expect_color(color_at("", 0, 0.25f), {0, 0.5f, 0});
+  expect_color(color_at("\"string filter\" \"point\"", 0.01f, 0.25f), {0, 1, 0});
+  expect_color(color_at("\"float scale\" 0.5", 0.125f, 0.25f), {0, 0.5f, 0});
+  expect_color(color_at("\"bool invert\" true", 0.125f, 0.25f), {1, 0, 1});
+  for (const Vec2 outside : {Vec2{-0.2f, 0.25f}, Vec2{0.7f, 0.25f}, Vec2{5, 5}, Vec2{0.125f, -0.3f}}) {
+    expect_color(color_at("", outside.x, outside.y), {});
+    expect_color(color_at("\"string filter\" \"point\"", outside.x, outside.y), {});
+    expect_color(color_at("\"bool invert\" true", outside.x, outside.y), {1, 1, 1});
+  }
+}
+
+TEST(PbrtTextures, AlphaIsTransparentOutsideOfABlackWrap) {
+  const SceneDescription scene = pbrt_world(
+      "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"white.png\" \"string wrap\" "
+      "\"black\"\nShape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"texture alpha\" \"a\"",
+      {{"white.png", png(one_color(2, 2, Rgb::gray(1)))}});
+  const ScalarParameter& opacity = scene.materials.at(0).opacity;
+  EXPECT_NEAR(opacity.evaluate(scene.textures, Vec2{0.5f, 0.5f}), 1, 1e-5f);
+  EXPECT_NEAR(opacity.evaluate(scene.textures, Vec2{1.5f, 0.5f}), 0, 1e-5f);
+}
+
 TEST(PbrtTextures, InvertedImages) {
   const Reflectance surface(
       "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"four.png\" \"bool invert\" true",
