@@ -102,6 +102,7 @@ Status Interpreter::run() {
   if (!scene) return fail(scene.error());
   File file{TokenStream(*std::move(scene))};
   if (auto read = run_directives(file); !read) return read;
+  end_states(0);
   if (!in_world_)
     if (auto started = start_world(); !started) return started;
   if (auto added = add_waiting_shapes(); !added) return added;
@@ -179,7 +180,11 @@ Status Interpreter::import_file(File& file) {
   const GraphicsState before = state_;
   File imported{TokenStream(*std::move(source))};
   outer_files_ += file.tokens.depth();
+  const std::size_t states = saved_.size();
+  const auto object = object_;
   if (auto done = run_directives(imported); !done) return done;
+  end_states(states);
+  object_ = object;
   outer_files_ -= file.tokens.depth();
   state_ = before;
   colors_.set_space(state_.color_space);
@@ -366,16 +371,16 @@ Status Interpreter::world_end(File&) {
 
 // --- State
 
-Status Interpreter::push_state(const File& file, bool is_attribute) {
+Status Interpreter::push_state(const File& file, std::string_view begin) {
   if (saved_.size() >= kMaxSavedStates)
     return report_.error(place(file),
                          fmt::format("attributes are nested more than {} deep", kMaxSavedStates));
-  saved_.push_back({state_, is_attribute});
+  saved_.push_back({state_, place(file), begin});
   return {};
 }
 
 Status Interpreter::pop_state(const File& file, bool is_attribute) {
-  if (saved_.empty() || saved_.back().is_attribute != is_attribute)
+  if (saved_.empty() || saved_.back().is_attribute() != is_attribute)
     return report_.error(place(file), "an end of attributes, transformations or objects has no begin");
   GraphicsState& saved = saved_.back().state;
   if (is_attribute) {
@@ -390,14 +395,22 @@ Status Interpreter::pop_state(const File& file, bool is_attribute) {
   return {};
 }
 
+void Interpreter::end_states(std::size_t count) {
+  for (std::size_t i = count; i < saved_.size(); ++i) {
+    const std::string text = fmt::format("{} has no end; it ends with the file", saved_[i].begin);
+    report_.warn(saved_[i].place, text, text);
+  }
+  saved_.resize(std::min(count, saved_.size()));
+}
+
 Status Interpreter::attribute_begin(File& file) {
-  return push_state(file, true);
+  return push_state(file, "AttributeBegin");
 }
 Status Interpreter::attribute_end(File& file) {
   return pop_state(file, true);
 }
 Status Interpreter::transform_begin(File& file) {
-  return push_state(file, false);
+  return push_state(file, "TransformBegin");
 }
 Status Interpreter::transform_end(File& file) {
   return pop_state(file, false);

@@ -108,8 +108,10 @@ class Interpreter {
   Status world_begin(File& file);
   Status world_end(File& file);
 
-  Status push_state(const File& file, bool is_attribute);
+  Status push_state(const File& file, std::string_view begin);
   Status pop_state(const File& file, bool is_attribute);
+  // Forgets all but the first `count` states; warns that the directives that saved them have no end.
+  void end_states(std::size_t count);
   void apply(const Matrix& matrix);
   void set_transform(const AnimatedMatrix& matrix);
   // The transformation of what does not move; `what` is as in "the light".
@@ -149,7 +151,10 @@ class Interpreter {
   GraphicsState state_;
   struct SavedState {
     GraphicsState state;
-    bool is_attribute;
+    Place place;
+    std::string_view begin;  // the directive
+
+    bool is_attribute() const { return begin != "TransformBegin"; }
   };
   std::vector<SavedState> saved_;
   struct AttributeUse {

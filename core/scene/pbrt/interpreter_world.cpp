@@ -158,7 +158,7 @@ Status Interpreter::object_begin(File& file) {
   const auto name = text(file);
   if (!name) return fail(name.error());
   if (object_) return report_.error(place(file), "an object is defined inside of another one");
-  if (auto pushed = push_state(file, true); !pushed) return pushed;
+  if (auto pushed = push_state(file, "ObjectBegin"); !pushed) return pushed;
   object_ = builder_.add_object(*name);
   if (!objects_.insert_or_assign(*name, *object_).second) tell_redefinition(file, "object", *name);
   return {};
