@@ -155,7 +155,7 @@ void Shapes::turn_inside_out(const Parameters& p, ShapePlacement& at) {
 
 Status Shapes::add(const std::string& kind, const Parameters& p, ShapePlacement placement) {
   if (surfaces_.is_reversed(placement.surface)) turn_inside_out(p, placement);
-  placement.surface.alpha = textures_.number(p, "alpha");
+  placement.surface.alpha = textures_.alpha(p);
   if (placement.surface.alpha)
     if (const Rgb* constant = constant_of(placement.surface.alpha); constant != nullptr && constant->r >= 1)
       placement.surface.alpha = nullptr;

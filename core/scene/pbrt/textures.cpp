@@ -14,7 +14,6 @@
 namespace tessera::core::pbrt {
 namespace {
 
-constexpr Rgb kUnknownColor{0.5f, 0.5f, 0.5f};
 constexpr float kMaxTiling = 1e6f;
 
 bool is_color_type(std::string_view type) {
@@ -52,6 +51,10 @@ Transform without_negative_zeros(const Transform& t) {
 
 std::string mapping_of(const Parameters& p) {
   return p.choice("mapping", "uv", {"uv", "planar", "spherical", "cylindrical"});
+}
+
+std::string name_in(const Parameter& parameter) {
+  return parameter.strings.empty() ? "" : parameter.strings.front();
 }
 
 Transform turned_to_z(Vec3 direction) {
@@ -225,7 +228,7 @@ TexturePtr Textures::make_direction_mix(const Parameters& p, Kind type, const Ma
 TexturePtr Textures::make_unknown(const std::string& kind, const Parameters& p) {
   const std::string text = fmt::format("the texture {} is not supported; gray is used", in_quotes(kind));
   report_.warn(p.place(), text, text);
-  return constant_texture(kUnknownColor);
+  return unknown_;
 }
 
 // Negative values of numbers remain, as in pbrt.
@@ -250,7 +253,7 @@ Result<TexturePtr> Textures::image(const Parameters& p, const std::string& file,
   if (!path) {
     report_.warn(place, "missing image " + file,
                  fmt::format("the image {} does not exist; gray is used", in_quotes(file)));
-    return constant_texture(kUnknownColor);
+    return unknown_;
   }
   const Encoding encoding = encoding_of(p, file);
   ImageNode node;
@@ -272,7 +275,7 @@ Result<TexturePtr> Textures::image(const Parameters& p, const std::string& file,
   if (!decoded) {
     if (decoded.error().code == ErrorCode::kResourceExhausted) return fail(decoded.error());
     report_.warn(place, "image " + file, decoded.error().message + "; gray is used");
-    return constant_texture(kUnknownColor);
+    return unknown_;
   }
   node.image = *decoded;
   if (wrap == "black")
@@ -343,13 +346,31 @@ TexturePtr Textures::number(const Parameters& p, std::string_view name) {
 
 // Names of the other type are found, too.
 TexturePtr Textures::named(const Parameters& p, const Parameter& parameter, Kind type) {
-  const std::string name = parameter.strings.empty() ? "" : parameter.strings.front();
-  for (const auto* textures :
-       {type == Kind::kColor ? &spectra_ : &numbers_, type == Kind::kColor ? &numbers_ : &spectra_})
-    if (const auto found = textures->find(name); found != textures->end()) return found->second;
+  if (const TexturePtr found = find(parameter, type)) return found;
+  const std::string name = name_in(parameter);
   report_.warn(p.place_of(&parameter), "texture " + name,
                fmt::format("there is no texture {}; gray is used", in_quotes(name)));
-  return constant_texture(kUnknownColor);
+  return unknown_;
+}
+
+TexturePtr Textures::find(const Parameter& parameter, Kind type) const {
+  for (const auto* textures :
+       {type == Kind::kColor ? &spectra_ : &numbers_, type == Kind::kColor ? &numbers_ : &spectra_})
+    if (const auto found = textures->find(name_in(parameter)); found != textures->end()) return found->second;
+  return nullptr;
+}
+
+// Gray would make the surface half transparent.
+TexturePtr Textures::alpha(const Parameters& p) {
+  const Parameter* given = p.find("alpha");
+  if (given == nullptr || given->type != "texture") return number(p, "alpha");
+  const TexturePtr found = find(*given, Kind::kNumber);
+  if (found && found != unknown_) return found;
+  const std::string name = name_in(*given);
+  report_.warn(p.place_of(given), "alpha " + name,
+               found ? fmt::format("the texture {} cannot be read; the surface is opaque", in_quotes(name))
+                     : fmt::format("there is no texture {}; the surface is opaque", in_quotes(name)));
+  return nullptr;
 }
 
 }  // namespace tessera::core::pbrt

@@ -32,6 +32,9 @@ class Textures {
   TexturePtr number(const Parameters& p, std::string_view name);
   TexturePtr number(const Parameters& p, std::string_view name, float otherwise);
 
+  // The parameter "alpha"; null, with a warning, if its texture cannot be read.
+  TexturePtr alpha(const Parameters& p);
+
   // An image file, its alpha for a number if it has one; gray of 0.5 if it cannot be read, with a warning.
   // `default_wrap` is that of the parameter "wrap".
   Result<TexturePtr> image(const Parameters& p, const std::string& file, bool is_number,
@@ -54,12 +57,14 @@ class Textures {
   TexturePtr input(const Parameters& p, std::string_view name, float otherwise, Kind type);
   Rgb value(const Parameters& p, std::string_view name, float otherwise, Kind type);
   TexturePtr named(const Parameters& p, const Parameter& parameter, Kind type);
+  TexturePtr find(const Parameter& parameter, Kind type) const;  // null if there is none
   UvMapping mapping(const Parameters& p);
   Status surround_with_black(const std::string& file, ImageNode& node);
 
   SceneBuilder& builder_;
   const Report& report_;
   Colors& colors_;
+  const TexturePtr unknown_ = constant_texture(Rgb::gray(0.5f));  // what cannot be read
   std::map<std::string, TexturePtr> numbers_, spectra_;
 };
 

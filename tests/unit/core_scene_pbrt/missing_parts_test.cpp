@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files and directives of pbrt scenes that are missing, or are found by another name.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -9,9 +10,15 @@
 namespace tessera::core::test {
 namespace {
 
+using testing::HasSubstr;
+
 // Of a scene without warnings but for this one.
 std::string only_warning(const std::string& world, const MemoryAssets::Files& files = {}) {
   return warnings_of(pbrt_world(world + "\n" + kPbrtTriangle, files));
+}
+
+std::string image_texture(const std::string& file, const std::string& type = "spectrum") {
+  return "Texture \"t\" \"" + type + "\" \"imagemap\" \"string filename\" \"" + file + "\"";
 }
 
 TEST(PbrtMissingParts, EndsOfDirectives) {
@@ -32,6 +39,21 @@ TEST(PbrtMissingParts, EndsOfDirectivesInImportedFiles) {
             "part.pbrt:1: ObjectBegin has no end; it ends with the file\n"
             "part.pbrt:2: TransformBegin has no end; it ends with the file\n");
   EXPECT_EQ(scene.shapes.size(), 1u);
+}
+
+// Gray would be half transparent.
+TEST(PbrtMissingParts, AlphaThatCannotBeReadIsOpaque) {
+  const auto opacity_of = [](const SceneDescription& scene) {
+    return scene.materials.at(std::get<SphereDescription>(scene.shapes.at(0)).material).opacity;
+  };
+  const std::string sphere = "\nShape \"sphere\" \"texture alpha\" \"t\"";
+  const SceneDescription no_image = pbrt_world(image_texture("gone.png", "float") + sphere);
+  EXPECT_EQ(opacity_of(no_image).value, 1);
+  EXPECT_THAT(warnings_of(no_image),
+              HasSubstr("scene.pbrt:3: the texture 't' cannot be read; the surface is opaque\n"));
+  const SceneDescription no_texture = pbrt_world(sphere);
+  EXPECT_EQ(opacity_of(no_texture).value, 1);
+  EXPECT_EQ(warnings_of(no_texture), "scene.pbrt:3: there is no texture 't'; the surface is opaque\n");
 }
 
 }  // namespace
