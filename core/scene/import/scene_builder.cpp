@@ -70,6 +70,17 @@ Result<SceneBuilder::Image> SceneBuilder::image_bytes(const std::string& name, s
   return cache_.image_in_memory(name, bytes, use.color_space, use.channel);
 }
 
+std::optional<std::string> SceneBuilder::find(const std::string& written,
+                                              const std::vector<std::string>& beside,
+                                              const FilePlace& place) {
+  auto found = cache_.find(written, beside);
+  const auto is_found = [&](const std::string& file) { return path_beside(file, written) == found; };
+  if (found && std::none_of(beside.begin(), beside.end(), is_found) && told_names_.insert(written).second)
+    warn(place.file, place.line, "other name " + written,
+         [&] { return fmt::format("{} does not exist; {} is used", in_quotes(written), in_quotes(*found)); });
+  return found;
+}
+
 Result<SceneBuilder::Image> SceneBuilder::image_pixels(const std::string& name, TextureImage image) {
   return image_pixels(name, {image.width(), image.height()}, [&] { return std::move(image); });
 }

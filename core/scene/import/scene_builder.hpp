@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -78,14 +79,17 @@ class SceneBuilder {
   // Errors name the path and the reason.
   Result<std::string> read(const std::string& path) { return assets_.read(path); }
   // The path of the file that `beside` calls `written`: as written, with '/' for '\', its last component, and
-  // then ignoring case. nullopt if there is none.
+  // then ignoring case. nullopt if there is none. A file of another name is told once, at `place`, or else of
+  // the scene file.
   std::optional<std::string> find(const std::string& written, const std::string& beside) {
-    return cache_.find(written, {beside});
+    return find(written, std::vector{beside}, {scene_path_, 0});
   }
   // The same beside several files, of which the first that has one counts.
   std::optional<std::string> find(const std::string& written, const std::vector<std::string>& beside) {
-    return cache_.find(written, beside);
+    return find(written, beside, {scene_path_, 0});
   }
+  std::optional<std::string> find(const std::string& written, const std::vector<std::string>& beside,
+                                  const FilePlace& place);
 
   // What decodes and keeps the files, for readers that need it: OBJ and MTL files.
   AssetCache& files() { return cache_; }
@@ -182,6 +186,7 @@ class SceneBuilder {
   SceneWarnings warnings_;
   AssetCache cache_;
   SceneDescription scene_;
+  std::set<std::string> told_names_;  // of files that are found by another name
   std::uint64_t triangles_ = 0;
   bool has_camera_ = false;
   std::optional<std::uint32_t> default_material_;

@@ -4,18 +4,18 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/scene/import/scene_builder.hpp"
-#include "core/scene/pbrt/parameters.hpp"
+#include "core/scene/pbrt/report.hpp"
 
 namespace tessera::core::pbrt {
 
-// The path of the file that `place` calls `written`: names are relative to the folder of the scene file, or
-// else to that of the included file.
+// The path of the file that `place` calls `written`, with its escapes: names are relative to the folder of
+// the scene file, or else to that of the included file. If it has no file, '\' separates folders.
 inline std::optional<std::string> find_file(SceneBuilder& builder, const Place& place,
                                             const std::string& written) {
-  if (auto path = builder.find(written, builder.scene_path())) return path;
-  return builder.find(written, *place.file);
+  return builder.find(written, {builder.scene_path(), *place.file}, file_place(place));
 }
 
 }  // namespace tessera::core::pbrt

@@ -56,5 +56,20 @@ TEST(PbrtMissingParts, AlphaThatCannotBeReadIsOpaque) {
   EXPECT_EQ(warnings_of(no_texture), "scene.pbrt:3: there is no texture 't'; the surface is opaque\n");
 }
 
+TEST(PbrtMissingParts, NamesInAnotherLetterCaseAreToldOnce) {
+  const MemoryAssets::Files files{{"scene.pbrt", "WorldBegin\n" + image_texture("A.PNG") +
+                                                     "\nTexture \"n\" \"float\" \"imagemap\" "
+                                                     "\"string filename\" \"A.PNG\"\nInclude \"Part.pbrt\""},
+                                  {"part.pbrt", kPbrtTriangle},
+                                  {"a.png", png(one_color(2, 2, Rgb{1, 0, 0}))}};
+  BundleAssets assets({"scene.pbrt", "part.pbrt", "a.png"},
+                      [&](const std::string& name, const std::string&) { return files.at(name); });
+  const auto scene = load_scene(assets, "scene.pbrt", "scene.pbrt");
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(warnings_of(*scene),
+            "scene.pbrt:2: 'A.PNG' does not exist; 'a.png' is used\n"
+            "scene.pbrt:4: 'Part.pbrt' does not exist; 'part.pbrt' is used\n");
+}
+
 }  // namespace
 }  // namespace tessera::core::test
