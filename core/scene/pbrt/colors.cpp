@@ -191,7 +191,7 @@ std::optional<Rgb> Colors::from_name(const std::string& name, SpectrumRole role)
 
 const Colors::Samples* Colors::samples(const Parameters& owner, const Parameter& parameter) {
   if (!parameter.strings.empty())
-    return samples_of_file(owner.place_of(&parameter), parameter.strings.front());
+    return samples_of_file(owner.place_of(&parameter), parameter.written.front());
   const std::vector<float>& v = parameter.floats;
   if (v.size() % 2 != 0)
     owner.remark(parameter.name, "has a wavelength without a value at its end, which is ignored");

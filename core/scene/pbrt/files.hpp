@@ -8,6 +8,7 @@
 
 #include "core/scene/import/scene_builder.hpp"
 #include "core/scene/pbrt/report.hpp"
+#include "core/scene/pbrt/tokenizer.hpp"
 
 namespace tessera::core::pbrt {
 
@@ -15,7 +16,10 @@ namespace tessera::core::pbrt {
 // the scene file, or else to that of the included file. If it has no file, '\' separates folders.
 inline std::optional<std::string> find_file(SceneBuilder& builder, const Place& place,
                                             const std::string& written) {
-  return builder.find(written, {builder.scene_path(), *place.file}, file_place(place));
+  const std::vector<std::string> beside{builder.scene_path(), *place.file};
+  const std::string name = without_escapes(written);
+  auto path = builder.find(name, beside, file_place(place));
+  return path || name == written ? path : builder.find(written, beside, file_place(place));
 }
 
 }  // namespace tessera::core::pbrt

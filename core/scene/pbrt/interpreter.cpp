@@ -150,7 +150,7 @@ Status Interpreter::run_directives(File& file) {
 }
 
 Result<SourceText> Interpreter::named_source(File& file) {
-  const auto name = text(file);
+  const auto name = text(file, false);
   if (!name) return fail(name.error());
   if (outer_files_ + file.tokens.depth() > kMaxIncludeDepth)
     return report_.error(place(file),
@@ -195,10 +195,10 @@ tl::unexpected<Error> Interpreter::at(const File& file, const Error& error) cons
   return fail(error.within(report_.shown(file.tokens.place())));
 }
 
-Result<std::string> Interpreter::text(File& file) {
+Result<std::string> Interpreter::text(File& file, bool without_escapes) {
   const auto token = file.tokens.next();
   if (!token) return at(file, token.error());
-  if (token->is(Token::Kind::kString)) return token->value();
+  if (token->is(Token::Kind::kString)) return without_escapes ? token->value() : std::string(token->text);
   return report_.error(place(file),
                        fmt::format("expected a name in double quotes, got {}", in_quotes(token->text)));
 }

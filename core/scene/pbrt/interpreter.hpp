@@ -57,7 +57,7 @@ class Interpreter {
 
   // Reading of arguments. Errors name file and line.
   const Place& place(const File& file) const { return file.directive; }
-  Result<std::string> text(File& file);
+  Result<std::string> text(File& file, bool without_escapes = true);
   Result<std::vector<float>> numbers(File& file, std::size_t count);
   Result<Parameters> parameters(File& file);
   Result<Parameters> parameters(File& file, AttributeTarget target);

@@ -177,7 +177,7 @@ Result<std::optional<SceneBuilder::Image>> Lights::image(const Parameters& p, co
 
 // The image maps to the sphere by equal areas; the light's y and z axes are exchanged.
 Status Lights::add_goniometric(const Parameters& p, const Matrix& to_world) {
-  const std::string file = p.text("filename");
+  const std::string file = p.file_name("filename");
   PointLightDescription light;
   light.position = to_world.point(p.vector("from", {}));
   light.intensity = emitted(p, "I");
@@ -212,7 +212,7 @@ Status Lights::add_goniometric(const Parameters& p, const Matrix& to_world) {
 
 // The angle of view is that of the shorter side.
 Status Lights::add_projection(const Parameters& p, const Matrix& to_world) {
-  const std::string file = p.text("filename");
+  const std::string file = p.file_name("filename");
   SceneBuilder::Image slide;
   if (file.empty()) {
     report_.warn(p.place(), "a projection light without an image projects white");
@@ -255,8 +255,8 @@ Status Lights::add_infinite(const Parameters& p, const Matrix& to_world) {
   if (p.has("portal"))
     report_.warn(p.place(),
                  "the portal of an infinite light is not supported; the light comes from all directions");
-  std::string file = p.text("filename");
-  if (file.empty()) file = p.text("mapname");  // of version 3
+  std::string file = p.file_name("filename");
+  if (file.empty()) file = p.file_name("mapname");  // of version 3
   if (!file.empty()) return add_infinite_image(p, file, to_world);
   Rgb radiance = emitted(p, "L");
   if (const auto illuminance = p.positive("illuminance"))
@@ -295,7 +295,7 @@ Result<std::shared_ptr<const AreaLight>> Lights::area_light(const std::string& k
     report_.warn(p.place(), "area light " + kind,
                  fmt::format("the area light {} is not known; a diffuse one is used", in_quotes(kind)));
   }
-  const std::string file = p.text("filename");
+  const std::string file = p.file_name("filename");
   const Rgb radiance = emitted(p, "L");
   light.radiance = {radiance, -1};
   if (!file.empty()) {

@@ -314,7 +314,7 @@ Status Materials::add_relief(const Parameters& p, Material& material) {
     if (!texture) return fail(texture.error());
     material.bump = {texture->texture, texture->value};
   }
-  const std::string file = p.text("normalmap");
+  const std::string file = p.file_name("normalmap");
   if (file.empty()) return {};
   const Place place = p.place_of(p.find("normalmap"));
   const auto path = find_file(builder_, place, file);

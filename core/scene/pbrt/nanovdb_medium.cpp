@@ -41,7 +41,7 @@ Result<std::unique_ptr<FileGrid>> open_grid(std::string_view file, std::string_v
 
 bool Media::read_nanovdb(const Parameters& p, const Matrix& to_world, MediumDescription& medium) {
   read_common(p, medium);
-  const std::string name = p.text("filename");
+  const std::string name = p.file_name("filename");
   const Place place = p.place_of(p.find("filename"));
   const auto warn = [&](std::string_view what) {
     report_.warn(place, "grids " + name, fmt::format("the file {} {}", in_quotes(name), what));

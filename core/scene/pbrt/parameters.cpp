@@ -98,6 +98,7 @@ Status add_value(const Token& token, ValueKind kind, Parameter& parameter) {
     return mistake(fmt::format("the parameter {} must be a number, got the text {}",
                                in_quotes(parameter.name), in_quotes(token.text)));
   parameter.strings.push_back(token.value());
+  parameter.written.emplace_back(token.text);
   return {};
 }
 
@@ -262,6 +263,10 @@ std::string Parameters::text(std::string_view name, std::string_view otherwise) 
   if (p != nullptr && !p->strings.empty()) return p->strings.front();
   if (p != nullptr) remark(name, "is no text; its default is used");
   return std::string(otherwise);
+}
+
+std::string Parameters::file_name(std::string_view name) const {
+  return text(name).empty() ? "" : find(name)->written.front();
 }
 
 std::string Parameters::choice(std::string_view name, std::string_view otherwise,

@@ -23,6 +23,7 @@ struct Parameter {
   std::vector<float> floats{};  // of all numeric types but integers
   std::vector<std::int32_t> integers{};
   std::vector<std::string> strings{};  // also names of textures and spectra
+  std::vector<std::string> written{};  // the same with their escapes, for names of files
   std::vector<bool> booleans{};
   mutable bool is_used = false;
   std::shared_ptr<bool> is_used_anywhere{};  // of a default, which several lists share
@@ -68,6 +69,8 @@ class Parameters {
                      std::initializer_list<std::string_view> known) const;
   bool boolean(std::string_view name, bool otherwise) const;
   std::string text(std::string_view name, std::string_view otherwise = {}) const;
+  // For find_file().
+  std::string file_name(std::string_view name) const;
   std::vector<std::string> texts(std::string_view name) const;
   std::vector<float> numbers(std::string_view name) const;
   // Finite ones; empty, with a remark, if they are not four.

@@ -16,7 +16,7 @@ constexpr double kFarMm = 1e9;
 
 // The surfaces in the lens file, with the stop as it is set; a thin lens of 50 mm if it cannot be read.
 LensSystem lens_of(const Parameters& p, SceneBuilder& builder, const Report& report) {
-  const std::string file = p.text("lensfile");
+  const std::string file = p.file_name("lensfile");
   const Place place = p.place_of(p.find("lensfile"));
   const auto path = file.empty() || !place.file ? std::nullopt : find_file(builder, place, file);
   const auto text = path ? builder.read(*path) : Result<std::string>(std::string());

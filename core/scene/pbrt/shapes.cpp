@@ -285,7 +285,7 @@ Status Shapes::add_triangles(const Parameters& p, const ShapePlacement& at) {
 }
 
 Status Shapes::add_ply(const Parameters& p, const ShapePlacement& at) {
-  const std::string written = p.text("filename");
+  const std::string written = p.file_name("filename");
   const Place place = p.place_of(p.find("filename"));
   const auto path = find_file(builder_, place, written);
   if (!path) {

@@ -235,7 +235,7 @@ TexturePtr Textures::make_unknown(const std::string& kind, const Parameters& p) 
 Result<TexturePtr> Textures::make_image(const Parameters& p, Kind type) {
   // Only the filter of pbrt's own lookups, which does not change the mean.
   p.find("maxanisotropy"), p.find("trilinear");
-  auto base = image(p, p.text("filename"), type == Kind::kNumber);
+  auto base = image(p, p.file_name("filename"), type == Kind::kNumber);
   if (!base || constant_of(*base) != nullptr) return base;
   const float factor = p.number("scale", 1);
   if (p.boolean("invert", false))

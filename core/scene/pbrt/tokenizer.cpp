@@ -34,6 +34,10 @@ char unescaped(char c) {
 }  // namespace
 
 std::string Token::value() const {
+  return without_escapes(text);
+}
+
+std::string without_escapes(std::string_view text) {
   std::string result;
   result.reserve(text.size());
   for (std::size_t i = 0; i < text.size(); ++i) {

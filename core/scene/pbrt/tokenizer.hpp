@@ -22,6 +22,8 @@ struct Token {
   std::string value() const;
 };
 
+std::string without_escapes(std::string_view text);
+
 class Tokenizer {
  public:
   // `text` must outlive this object and its tokens.

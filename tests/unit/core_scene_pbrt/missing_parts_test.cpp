@@ -56,6 +56,18 @@ TEST(PbrtMissingParts, AlphaThatCannotBeReadIsOpaque) {
   EXPECT_EQ(warnings_of(no_texture), "scene.pbrt:3: there is no texture 't'; the surface is opaque\n");
 }
 
+TEST(PbrtMissingParts, FoldersOfWindows) {
+  const MemoryAssets::Files files{{"tex/new/a.png", png(one_color(2, 2, Rgb{1, 0, 0}))}};
+  EXPECT_EQ(only_warning(image_texture("tex\\new\\a.png"), files),
+            "scene.pbrt:2: 'tex\\new\\a.png' does not exist; 'tex/new/a.png' is used\n");
+  EXPECT_EQ(only_warning(image_texture("tex\\\\new\\\\a.png"), files),
+            "scene.pbrt:2: 'tex\\new\\a.png' does not exist; 'tex/new/a.png' is used\n");
+  EXPECT_EQ(only_warning(image_texture("tex\\new\\b.png"), files),
+            "scene.pbrt:2: the image 'tex\\new\\b.png' does not exist; gray is used\n");
+  EXPECT_EQ(only_warning("Include \"parts\\new.pbrt\"", {{"parts/new.pbrt", ""}}),
+            "scene.pbrt:2: 'parts\\new.pbrt' does not exist; 'parts/new.pbrt' is used\n");
+}
+
 TEST(PbrtMissingParts, NamesInAnotherLetterCaseAreToldOnce) {
   const MemoryAssets::Files files{{"scene.pbrt", "WorldBegin\n" + image_texture("A.PNG") +
                                                      "\nTexture \"n\" \"float\" \"imagemap\" "
