@@ -139,6 +139,7 @@ Rgb Colors::color(const Parameters& owner, const Parameter& parameter, SpectrumR
   } else if (parameter.type == "spectrum") {
     result = from_spectrum(owner, parameter, role);
   } else if (!parameter.floats.empty() || !parameter.integers.empty()) {
+    owner.remark(parameter.name, "is a number, and a colour is expected; the gray of this value is used");
     result = Rgb::gray(*owner.number(parameter.name));
   }
   if (result && is_finite(*result)) {

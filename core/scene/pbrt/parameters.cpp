@@ -207,7 +207,10 @@ std::optional<float> Parameters::number(std::string_view name) const {
   if (p == nullptr) return std::nullopt;
   if (p->size() > 1) remark(name, "has several values; the first one is used");
   if (!p->floats.empty() && !std::isnan(p->floats.front())) return p->floats.front();
-  if (!p->integers.empty()) return static_cast<float>(p->integers.front());
+  if (!p->integers.empty()) {
+    remark(name, "is an integer, and a float is expected; it is used as one");
+    return static_cast<float>(p->integers.front());
+  }
   remark(name, "is no number; its default is used");
   return std::nullopt;
 }

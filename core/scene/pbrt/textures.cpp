@@ -57,6 +57,13 @@ std::string name_in(const Parameter& parameter) {
   return parameter.strings.empty() ? "" : parameter.strings.front();
 }
 
+int dimension_of(const Parameters& p) {
+  const int dimension = p.integer("dimension", 2);
+  if (dimension == 2 || dimension == 3) return dimension;
+  p.remark("dimension", "range", fmt::format("must be 2 or 3, got {}; 2 is used", dimension));
+  return 2;
+}
+
 Transform turned_to_z(Vec3 direction) {
   const Frame frame = Frame::around(direction);
   const auto column = [&](int axis) {
@@ -143,7 +150,7 @@ Result<TexturePtr> Textures::make_flat(const std::string& kind, const Parameters
   if (kind == "bilerp")
     return make_texture(BilinearNode{value(p, "v00", 0, type), value(p, "v01", 1, type),
                                      value(p, "v10", 0, type), value(p, "v11", 1, type), mapping(p)});
-  if (kind == "checkerboard" && p.integer("dimension", 2) == 2)
+  if (kind == "checkerboard" && dimension_of(p) == 2)
     return make_texture(CheckerNode{input(p, "tex1", 1, type), input(p, "tex2", 0, type), mapping(p)});
   if (kind == "dots")
     return make_texture(PatternNode{DotsPattern(), PatternSpace::kUv, map_of(mapping(p)),
@@ -260,7 +267,8 @@ Result<TexturePtr> Textures::image(const Parameters& p, const std::string& file,
   node.mapping = mapping(p);
   const std::string wrap = p.choice("wrap", default_wrap, {"repeat", "clamp", "black"});
   node.wrap = wrap == "repeat" ? Wrap::kRepeat : Wrap::kClamp;
-  if (p.text("filter") == "point") node.filter = TextureFilter::kNearest;
+  if (p.choice("filter", "bilinear", {"point", "bilinear", "trilinear", "EWA", "ewa"}) == "point")
+    node.filter = TextureFilter::kNearest;
   const std::string channel = p.text("channel");
   if (is_number && channel.empty()) {
     auto alpha = builder_.image_file(*path, {ColorSpace::kLinear, TextureChannel::kAlpha});

@@ -156,6 +156,15 @@ TEST(PbrtReplacedValues, OfMaterialsAndTextures) {
        "2: the parameter 'uscale' of the texture 'checkerboard' must be from -1e+06 to 1e+06, got 1e+09; "
        "1e+06 is "
        "used"},
+      {R"(Texture "t" "spectrum" "checkerboard" "integer uscale" 3)",
+       "2: the parameter 'uscale' of the texture 'checkerboard' is an integer, and a float is expected; it "
+       "is "
+       "used as one"},
+      {R"(Texture "t" "spectrum" "checkerboard" "integer dimension" 4)",
+       "2: the parameter 'dimension' of the texture 'checkerboard' must be 2 or 3, got 4; 2 is used"},
+      {R"(Material "diffuse" "float reflectance" 0.1)",
+       "2: the parameter 'reflectance' of the material 'diffuse' is a number, and a colour is expected; the "
+       "gray of this value is used"},
       {R"(Texture "t" "float" "constant" "string value" "one")",
        "2: the parameter 'value' of the texture 'constant' is no number; its default is used"},
       {R"(Attribute "shape" "float radios" 3)",
@@ -178,6 +187,9 @@ TEST(PbrtReplacedValues, OfImages) {
             "scene.pbrt:2: the parameter 'wrap' of the texture 'imagemap' is 'twist', which is not known; "
             "'repeat' is "
             "used\n");
+  EXPECT_EQ(warnings("\"string filter\" \"foo\""),
+            "scene.pbrt:2: the parameter 'filter' of the texture 'imagemap' is 'foo', which is not known; "
+            "'bilinear' is used\n");
   EXPECT_EQ(warnings("\"string encoding\" \"log\""),
             "scene.pbrt:2: the parameter 'encoding' of the texture 'imagemap' is 'log', which is not known; "
             "'sRGB' is "
