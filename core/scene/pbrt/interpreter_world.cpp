@@ -35,7 +35,10 @@ Status Interpreter::make_named_material(File& file) {
   if (!name) return fail(name.error());
   const auto given = parameters(file, AttributeTarget::kMaterial);
   if (!given) return fail(given.error());
-  const auto index = materials_.add(given->text("type"), *given, *name);
+  if (!given->has("type"))
+    report_.warn(place(file), "material without type",
+                 fmt::format("the material {} has no type; a diffuse one is used", in_quotes(*name)));
+  const auto index = materials_.add(given->text("type", "diffuse"), *given, *name);
   if (!index) return fail(index.error());
   if (!materials_.set_name(*name, *index)) tell_redefinition(file, "material", *name);
   return {};

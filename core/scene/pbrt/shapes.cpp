@@ -280,6 +280,10 @@ Status Shapes::add_triangles(const Parameters& p, const ShapePlacement& at) {
   mesh.normals = p.vectors("N");
   mesh.uvs = uvs_of(p);
   mesh.triangles = triangles_of(p, mesh.positions.size());
+  if (mesh.triangles.empty() && !p.has("indices")) {
+    report_.warn(p.place(), "the shape 'trianglemesh' has no indices; it is left out");
+    return {};
+  }
   for (const Vec3& tangent : p.vectors("S")) mesh.tangents.push_back({tangent});
   return add_mesh(std::move(mesh), p, at);
 }
@@ -287,6 +291,10 @@ Status Shapes::add_triangles(const Parameters& p, const ShapePlacement& at) {
 Status Shapes::add_ply(const Parameters& p, const ShapePlacement& at) {
   const std::string written = p.file_name("filename");
   const Place place = p.place_of(p.find("filename"));
+  if (written.empty()) {
+    report_.warn(place, "the shape 'plymesh' has no file name; it is left out");
+    return {};
+  }
   const auto path = find_file(builder_, place, written);
   if (!path) {
     report_.warn(place, "missing mesh " + written,

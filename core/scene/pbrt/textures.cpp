@@ -256,6 +256,10 @@ Result<TexturePtr> Textures::make_image(const Parameters& p, Kind type) {
 Result<TexturePtr> Textures::image(const Parameters& p, const std::string& file, bool is_number,
                                    const std::string& default_wrap) {
   const Place place = p.place_of(p.find("filename"));
+  if (file.empty()) {
+    report_.warn(place, "the texture 'imagemap' has no file name; gray is used");
+    return unknown_;
+  }
   const auto path = find_file(builder_, place, file);
   if (!path) {
     report_.warn(place, "missing image " + file,

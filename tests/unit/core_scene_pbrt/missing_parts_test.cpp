@@ -83,5 +83,22 @@ TEST(PbrtMissingParts, NamesInAnotherLetterCaseAreToldOnce) {
             "scene.pbrt:4: 'Part.pbrt' does not exist; 'part.pbrt' is used\n");
 }
 
+TEST(PbrtMissingParts, NamesOfFilesAndTypes) {
+  EXPECT_EQ(only_warning("Shape \"plymesh\""),
+            "scene.pbrt:2: the shape 'plymesh' has no file name; it is left out\n");
+  EXPECT_EQ(only_warning("Texture \"t\" \"spectrum\" \"imagemap\""),
+            "scene.pbrt:2: the texture 'imagemap' has no file name; gray is used\n");
+  const std::string material = "MakeNamedMaterial \"a\" \"rgb reflectance\" [1 0 0]\nNamedMaterial \"a\"";
+  EXPECT_EQ(only_warning(material), "scene.pbrt:2: the material 'a' has no type; a diffuse one is used\n");
+  EXPECT_EQ(std::get<Lambert>(pbrt_material(material).model).albedo.value, (Rgb{1, 0, 0}));
+}
+
+TEST(PbrtMissingParts, IndicesOfTriangles) {
+  const SceneDescription scene =
+      pbrt_world("Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]\n" + kPbrtTriangle);
+  EXPECT_EQ(warnings_of(scene), "scene.pbrt:2: the shape 'trianglemesh' has no indices; it is left out\n");
+  EXPECT_EQ(scene.shapes.size(), 1u);
+}
+
 }  // namespace
 }  // namespace tessera::core::test

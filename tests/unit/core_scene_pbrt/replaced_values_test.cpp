@@ -265,7 +265,7 @@ TEST(PbrtLeftOut, ShapesThatCannotBeRendered) {
        "2: a mesh without a triangle that has an area is left out"},
       {R"(Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] "integer indices" [0 1 7])",
        "2: triangles with a corner that is no vertex are left out"},
-      {R"(Shape "trianglemesh")", "2: a mesh without a triangle that has an area is left out"},
+      {R"(Shape "trianglemesh")", "2: the shape 'trianglemesh' has no indices; it is left out"},
       {R"(Shape "curve" "point3 P" [nan 0 0 1 0 0 2 0 0 3 0 0])",
        "2: a shape is left out: control point 1: coordinates must be numbers of at most 1e+15"},
       {"ObjectBegin \"o\" Shape \"sphere\" ObjectEnd Scale 1 0 1\nObjectInstance \"o\" Identity",
