@@ -65,9 +65,22 @@ Result<std::string> with_xml_override(std::string xml, const ParameterOverride& 
   return with_xml_default(std::move(xml), wanted.path, wanted.value);
 }
 
+// The JSON of a parameter's value.
+Result<std::string> json_value(const ParameterOverride& wanted) {
+  // A comment would hide what comes behind the value in the scene file.
+  if (is_json(wanted.value, false)) return wanted.value;
+  if (is_word(wanted.value)) return json_string(wanted.value);
+  return invalid_override(
+      wanted.path,
+      fmt::format("the value must be written as in a scene file: a number, [x, y, z], \"a text\"; got {}",
+                  in_quotes(wanted.value)));
+}
+
 Result<std::string> with_json_override(std::string text, const ParameterOverride& wanted) {
-  if (wanted.kind == ParameterOverride::Kind::kParameter)
-    return with_json_value(std::move(text), wanted.path, wanted.value);
+  if (wanted.kind == ParameterOverride::Kind::kParameter) {
+    const auto value = json_value(wanted);
+    return value ? with_json_value(std::move(text), wanted.path, *value) : value;
+  }
   return with_json_value(std::move(text), fmt::format("extensions.{}.{}", kGltfSelection, wanted.path),
                          wanted.value);
 }
@@ -102,14 +115,6 @@ Result<ParameterOverride> parse_override(std::string_view text) {
                 fmt::format("must be PATH=VALUE such as camera.position=[0,1,5]; got '{}'", text));
   parsed.value = text.substr(equals + 1);
   std::replace(parsed.value.begin(), parsed.value.end(), '\n', ' ');
-  // A comment would hide what comes behind the value in the scene file.
-  if (is_json(parsed.value, false)) return parsed;
-  if (!is_word(parsed.value))
-    return invalid_override(
-        parsed.path,
-        fmt::format("the value must be written as in a scene file: a number, [x, y, z], \"a text\"; got {}",
-                    in_quotes(parsed.value)));
-  parsed.value = json_string(parsed.value);
   return parsed;
 }
 

@@ -20,11 +20,11 @@ struct ParameterOverride {
   // Of a parameter: the field's path in error messages, "camera.position", "lights[0].intensity". Of a
   // selection: what is chosen (core/scene/import/selection.hpp).
   std::string path;
-  std::string value;  // JSON
+  std::string value;  // of a parameter: as given; of a selection: JSON
   Kind kind = Kind::kParameter;
 };
 
-// "PATH=VALUE". A value that is a word needs no quotes. INVALID_ARGUMENT names the path.
+// "PATH=VALUE". INVALID_ARGUMENT if it is written otherwise.
 Result<ParameterOverride> parse_override(std::string_view text);
 
 // The choice of a camera, scene, variant or animation by its name or number.
@@ -34,10 +34,11 @@ ParameterOverride select_time(double seconds);
 ParameterOverride select_shutter(double seconds);
 
 // The scene file with the values replaced, one after the other; lines keep their numbers. An object that
-// lacks the key gets it, so that an unknown key is found when the scene is read. In a Mitsuba scene the path
-// is the name of a parameter, which gets a <default> before all others. A selection becomes an extension of
-// a glTF file, TESSERA_selection, and a <default> of a Mitsuba scene. INVALID_ARGUMENT names the path, and
-// what is not there. A text that is neither JSON nor XML is returned as it is, for the reader to report.
+// lacks the key gets it, so that an unknown key is found when the scene is read. Values are JSON, or a word.
+// In a Mitsuba scene the path is the name of a parameter, which gets a <default> before all others, whose
+// value is any text, or JSON without quotes and brackets. A selection becomes an extension of a glTF file,
+// TESSERA_selection, and a <default> of a Mitsuba scene. INVALID_ARGUMENT names the path, and what is not
+// there. A text that is neither JSON nor XML is returned as it is, for the reader to report.
 Result<std::string> with_overrides(std::string text, std::span<const ParameterOverride> overrides);
 
 // Other files as they are, and the scene file with overrides, also the JSON of a .glb file; INVALID_ARGUMENT

@@ -34,9 +34,9 @@ std::optional<std::size_t> behind_root_tag(std::string_view xml) {
 }
 
 // The value as XML writes it: texts without quotes, lists without brackets.
-std::string xml_value(const std::string& json) {
-  const auto parsed = nlohmann::json::parse(json, nullptr, false);
-  std::string value = parsed.is_string() ? parsed.get<std::string>() : json;
+std::string xml_value(std::string value) {
+  const auto parsed = nlohmann::json::parse(value, nullptr, false);
+  if (parsed.is_string()) value = parsed.get<std::string>();
   if (parsed.is_array()) std::erase_if(value, [](char c) { return c == '[' || c == ']'; });
   std::string escaped;
   for (const char c : value) {
@@ -61,10 +61,10 @@ bool is_xml(std::string_view text) {
   return begin != std::string_view::npos && text[begin] == '<';
 }
 
-std::string with_xml_default(std::string xml, const std::string& name, const std::string& json) {
+std::string with_xml_default(std::string xml, const std::string& name, const std::string& value) {
   const auto begin = behind_root_tag(xml);
   if (!begin) return xml;
-  xml.insert(*begin, fmt::format("<default name=\"{}\" value=\"{}\"/>", name, xml_value(json)));
+  xml.insert(*begin, fmt::format("<default name=\"{}\" value=\"{}\"/>", name, xml_value(value)));
   return xml;
 }
 

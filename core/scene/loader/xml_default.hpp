@@ -10,8 +10,8 @@ namespace tessera::core {
 
 bool is_xml(std::string_view text);
 
-// `xml` with a <default> of this name before all others, of which the first one counts. `json` is the value:
-// texts lose their quotes, lists their brackets. A text without a root element stays as it is.
-std::string with_xml_default(std::string xml, const std::string& name, const std::string& json);
+// `xml` with a <default> of this name before all others, of which the first one counts. A value that is JSON
+// loses the quotes of a text and the brackets of a list. A file without a root element stays as it is.
+std::string with_xml_default(std::string xml, const std::string& name, const std::string& value);
 
 }  // namespace tessera::core

@@ -116,6 +116,9 @@ TEST(ParameterOverride, BecomesADefaultOfAMitsubaScene) {
   EXPECT_EQ(replaced(begin + end, "spp=64"), begin + "<default name=\"spp\" value=\"64\"/>" + end);
   EXPECT_EQ(replaced(begin + end, "n=\"a <b>\""), begin + "<default name=\"n\" value=\"a &lt;b>\"/>" + end);
   EXPECT_EQ(replaced(begin + end, "n=[1, 0.5]"), begin + "<default name=\"n\" value=\"1, 0.5\"/>" + end);
+  for (const std::string plain : {"0.1, 0.2 0.3", "#1010ff", "[0, 1", "a \\ //", ""})
+    EXPECT_EQ(replaced(begin + end, "n=" + plain),
+              begin + "<default name=\"n\" value=\"" + plain + "\"/>" + end);
   EXPECT_EQ(replaced(begin + end, "a.b=1"),
             "a.b: a Mitsuba scene has parameters with plain names, as -D spp=64");
 }
