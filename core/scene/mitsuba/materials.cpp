@@ -373,7 +373,7 @@ std::uint32_t MaterialConverter::part(const Plugin& bsdf, const TextureSite& sit
 
 Surface MaterialConverter::mask(const Plugin& bsdf, const TextureSite& site, int depth) {
   Surface result = inner(bsdf, site, depth);
-  const ScalarParameter opacity = textures_.scalar(bsdf, "opacity", 0.5f, site);
+  const ScalarParameter opacity = textures_.opacity(bsdf, site);
   const ScalarParameter inside = result.material.opacity;
   if (inside.texture >= 0 || inside.value < 1) bsdf.warn("the opacity inside of another one is left out");
   result.material.opacity = in_unit(bsdf, "opacity", opacity);

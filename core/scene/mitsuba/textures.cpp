@@ -114,6 +114,14 @@ ScalarParameter TextureConverter::scalar(const Plugin& owner, std::string_view n
   return {apply(as_number(found->factor)), conversion_.builder.add_texture(mapped(*found->texture, map))};
 }
 
+ScalarParameter TextureConverter::opacity(const Plugin& mask, const TextureSite& site) {
+  const auto found = value(mask, "opacity", site);
+  if (!found) return 0.5f;
+  if (!found->is_substitute) return scalar(mask, "opacity", 0.5f, site);
+  mask.warn("the texture of 'opacity' is left out; the surface is opaque");
+  return 1;
+}
+
 int TextureConverter::normal_map(const Plugin& plugin, const TextureSite& site) {
   Value normals = texture(plugin, site);
   if (!normals.texture || normals.texture->procedural) {
@@ -218,7 +226,7 @@ TextureConverter::Value TextureConverter::convert(const Plugin& plugin, const Te
     return texture(*inner, site);
   }
   plugin.warn(fmt::format("this texture is not supported; the constant {} replaces it", kNoTexture));
-  return {Rgb::gray(kNoTexture), {}};
+  return {Rgb::gray(kNoTexture), {}, true};
 }
 
 TextureConverter::Value TextureConverter::volume(const Plugin& plugin, const TextureSite& site) {
@@ -232,7 +240,7 @@ TextureConverter::Value TextureConverter::volume(const Plugin& plugin, const Tex
     child->ignore_all();
   }
   plugin.warn(fmt::format("the constant {} replaces it", kNoTexture));
-  return {Rgb::gray(kNoTexture), {}};
+  return {Rgb::gray(kNoTexture), {}, true};
 }
 
 std::optional<Texture> TextureConverter::grid(const Plugin& plugin) {
@@ -255,7 +263,7 @@ TextureConverter::Value TextureConverter::bitmap(const Plugin& plugin, const Tex
   plugin.ignore({"format", "accel"});
   result.image = load(plugin, raw ? ColorSpace::kLinear : ColorSpace::kSrgb);
   place(plugin, site.layout, result);
-  if (!result.image) return {Rgb::gray(kNoTexture), {}};
+  if (!result.image) return {Rgb::gray(kNoTexture), {}, true};
   return {Rgb::gray(1), std::move(result)};
 }
 
@@ -291,7 +299,7 @@ TextureConverter::Value TextureConverter::attribute(const Plugin& plugin, const 
   }
   plugin.warn(
       fmt::format("the shape has no attribute {}; the constant {} replaces it", in_quotes(name), kNoTexture));
-  return {Rgb::gray(kNoTexture), {}};
+  return {Rgb::gray(kNoTexture), {}, true};
 }
 
 void TextureConverter::place(const Plugin& plugin, UvLayout layout, Texture& texture) {

@@ -51,6 +51,8 @@ class TextureConverter {
   // As a number, which becomes map(number).
   ScalarParameter scalar(const Plugin& owner, std::string_view name, float otherwise, const TextureSite& site,
                          TexelMap map = TexelMap::kLuminance);
+  // The opacity of a mask; 1 without the texture that it should have.
+  ScalarParameter opacity(const Plugin& mask, const TextureSite& site);
   // The texture of a normal map whose green tilts normals along the normal x the tangent of u, as in Mitsuba.
   // -1 if it is no image.
   int normal_map(const Plugin& texture, const TextureSite& site);
@@ -65,6 +67,7 @@ class TextureConverter {
   struct Value {
     Rgb factor = Rgb::gray(1);
     std::optional<Texture> texture{};
+    bool is_substitute = false;  // for a texture that cannot be had
   };
 
   // The value of a property; nullopt if it has none that can be used.

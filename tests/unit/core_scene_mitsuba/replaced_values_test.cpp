@@ -11,6 +11,7 @@
 namespace tessera::core {
 namespace {
 
+using test::material_of;
 using test::scene_of;
 using test::warnings_of;
 using testing::HasSubstr;
@@ -123,6 +124,15 @@ TEST(MitsubaLeftOut, ShapesThatCannotBeRendered) {
     EXPECT_THAT(warnings_of(scene), HasSubstr("scene.xml:" + std::string(one.warning))) << one.content;
     EXPECT_EQ(scene.shapes.size(), 1u) << one.content;
   }
+}
+
+TEST(MitsubaReplacedValues, AMaskWithoutItsImageIsOpaque) {
+  const char* const content =
+      R"(<shape type="sphere"><bsdf type="mask"><texture type="bitmap" name="opacity"><string name="filename" value="ghost.png"/></texture><bsdf type="diffuse"/></bsdf></shape>)";
+  EXPECT_EQ(scene_of(content).materials.at(0).opacity.value, 1);
+  EXPECT_EQ(material_of(R"(<bsdf type="mask"><bsdf type="diffuse"/></bsdf>)").opacity.value, 0.5f);
+  expect_told(
+      {content, R"(2: <bsdf type="mask">: the texture of 'opacity' is left out; the surface is opaque)"});
 }
 
 // As Cryptomatte calls them.
