@@ -27,13 +27,6 @@ std::optional<T> usable(Conversion& conversion, const Plugin& shape, Result<T> r
   return std::nullopt;
 }
 
-std::optional<std::string> find_mesh_file(const Conversion& conversion, const Plugin& shape) {
-  const std::string written = shape.text("filename").value_or("");
-  const auto path = conversion.find_file(written);
-  if (!path) shape.warn(fmt::format("{} does not exist; the shape is left out", in_quotes(written)));
-  return path;
-}
-
 Result<ShapeMesh> read_obj_shape(Conversion& conversion, const Plugin& shape, const std::string& path) {
   const auto file = conversion.builder.files().obj(path);
   if (!file) return fail(file.error());
@@ -115,6 +108,17 @@ ShapeMesh finished(const Plugin& shape, ShapeMesh made) {
 
 }  // namespace
 
+std::optional<std::string> find_shape_file(const Conversion& conversion, const Plugin& shape) {
+  const std::string written = shape.text("filename").value_or("");
+  if (written.empty()) {
+    shape.warn("lacks a 'filename'; the shape is left out");
+    return std::nullopt;
+  }
+  const auto path = conversion.find_file(written);
+  if (!path) shape.warn(fmt::format("{} does not exist; the shape is left out", in_quotes(written)));
+  return path;
+}
+
 bool is_mesh(const Plugin& shape) {
   const std::string& type = shape.type();
   return type == "obj" || type == "ply" || type == "serialized" || type == "cube" || type == "rectangle";
@@ -124,7 +128,7 @@ std::optional<ShapeMesh> load_mesh(Conversion& conversion, const Plugin& shape) 
   const std::string& type = shape.type();
   if (type == "cube") return finished(shape, {cube_mesh()});
   if (type == "rectangle") return finished(shape, {rectangle_mesh()});
-  const auto path = find_mesh_file(conversion, shape);
+  const auto path = find_shape_file(conversion, shape);
   if (!path) return std::nullopt;
   auto* const read = type == "obj" ? read_obj_shape : type == "ply" ? read_ply_shape : read_serialized_shape;
   auto mesh = usable(conversion, shape, read(conversion, shape, *path));

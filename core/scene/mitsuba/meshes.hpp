@@ -24,6 +24,9 @@ struct ShapeMesh {
 // Mitsuba's rule. nullopt after a warning, or an error in `conversion`.
 std::optional<ShapeMesh> load_mesh(Conversion& conversion, const Plugin& shape);
 
+// The path of the file that the shape names; nullopt after a warning.
+std::optional<std::string> find_shape_file(const Conversion& conversion, const Plugin& shape);
+
 // Whether load_mesh() has a mesh for the shape.
 bool is_mesh(const Plugin& shape);
 

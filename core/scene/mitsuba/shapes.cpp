@@ -159,15 +159,15 @@ void ShapeConverter::add_cylinder(const Plugin& shape, std::optional<std::uint32
 
 // Transforms move the control points only, and keep the radii.
 void ShapeConverter::add_curves(const Plugin& shape, CurveBasis basis, std::optional<std::uint32_t> object) {
-  const std::string written = shape.text("filename").value_or("");
-  const auto path = conversion_.find_file(written);
-  if (!path) return shape.warn(fmt::format("{} does not exist; the shape is left out", in_quotes(written)));
+  const auto path = find_shape_file(conversion_, shape);
+  if (!path) return shape.ignore_all();
   const auto text = conversion_.builder.read(*path);
   if (!text) return conversion_.check(fail(text.error()));
   auto strands = read_curve_text(*text, basis);
-  if (!strands)
-    return shape.warn(
-        fmt::format("{} {}; the shape is left out", in_quotes(written), strands.error().message));
+  if (!strands) {
+    shape.warn(fmt::format("{} {}; the shape is left out", in_quotes(*path), strands.error().message));
+    return shape.ignore_all();
+  }
   if (basis == CurveBasis::kLinear) shape.warn("the joints of linear segments are open, and not rounded");
   if (needs(shape).images)
     shape.warn(

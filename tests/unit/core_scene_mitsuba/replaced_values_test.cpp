@@ -135,6 +135,12 @@ TEST(MitsubaReplacedValues, AMaskWithoutItsImageIsOpaque) {
       {content, R"(2: <bsdf type="mask">: the texture of 'opacity' is left out; the surface is opaque)"});
 }
 
+TEST(MitsubaLeftOut, ShapesWithoutAFile) {
+  expect_told(
+      {R"(<shape type="obj"/>)", R"(2: <shape type="obj">: lacks a 'filename'; the shape is left out)"});
+  expect_told({R"(<shape type="linearcurve"/>)", R"(2: <shape type="linearcurve">: lacks a 'filename')"});
+}
+
 // As Cryptomatte calls them.
 TEST(MitsubaNames, AreTheIdsOfTheFile) {
   const SceneDescription scene = scene_of(
