@@ -21,15 +21,12 @@ std::optional<std::string> Conversion::find_file(const std::string& written) con
   return builder.find(written, graph.folders);
 }
 
-Plugin::Plugin(Conversion& conversion, NodeId id) : conversion_(&conversion), id_(id) {
-  node().visited = true;
-}
-
 std::string Plugin::shown() const {
   return shown_node(node());
 }
 
 const Property* Plugin::property(std::string_view name) const {
+  node().visited = true;
   auto& properties = node().properties;
   const auto found = std::find_if(properties.begin(), properties.end(),
                                   [&](const Property& p) { return p.name == name && !p.name.empty(); });
@@ -124,6 +121,7 @@ std::optional<Plugin> Plugin::child(std::string_view name) const {
 }
 
 std::vector<Plugin> Plugin::children(Kind kind) const {
+  node().visited = true;
   std::vector<Plugin> found;
   for (Property& entry : node().properties) {
     const auto* object = std::get_if<Child>(&entry.value);

@@ -43,7 +43,7 @@ struct Conversion {
 // missing, with a warning. A handle; cheap to copy.
 class Plugin {
  public:
-  Plugin(Conversion& conversion, NodeId id);
+  Plugin(Conversion& conversion, NodeId id) : conversion_(&conversion), id_(id) {}
 
   NodeId id() const { return id_; }
   Kind kind() const { return node().kind; }

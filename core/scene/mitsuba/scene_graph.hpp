@@ -70,7 +70,7 @@ struct Node {
   Location where;
   std::vector<Property> properties;
   bool in_emitter = false;  // it is an emitter, or written inside of one
-  bool visited = false;     // whether a converter has looked at it
+  bool visited = false;     // whether a converter has asked for a property
 };
 
 struct SceneGraph {

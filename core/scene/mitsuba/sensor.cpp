@@ -144,7 +144,9 @@ CameraDescription camera_of(const Plugin& sensor, const Transform& to_world, flo
 }  // namespace
 
 float half_width_of(const Plugin& plugin, float aspect) {
-  return plugin.has("fov") ? tangent_of_angle(plugin, aspect) : tangent_of_lens(plugin, aspect);
+  if (plugin.has("fov")) return tangent_of_angle(plugin, aspect);
+  plugin.ignore({"fov_axis"});
+  return tangent_of_lens(plugin, aspect);
 }
 
 void set_sensor(Conversion& conversion, const Plugin& sensor) {

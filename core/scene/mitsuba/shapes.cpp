@@ -71,7 +71,8 @@ MaterialIndex ShapeConverter::material(const Plugin& shape, const TextureSite& s
 }
 
 void ShapeConverter::add_mesh(const Plugin& shape, std::optional<std::uint32_t> object) {
-  if (auto mesh = load_mesh(conversion_, shape)) add_finished_mesh(shape, std::move(*mesh), object);
+  if (auto mesh = load_mesh(conversion_, shape)) return add_finished_mesh(shape, std::move(*mesh), object);
+  shape.ignore_all();
 }
 
 void ShapeConverter::add_finished_mesh(const Plugin& shape, ShapeMesh mesh,
@@ -185,7 +186,7 @@ void ShapeConverter::add_instance(const Plugin& shape, std::optional<std::uint32
   const auto of = shape.first_child(Kind::kShape);
   if (!of || of->type() != "shapegroup" || object) {
     shape.warn(object ? "inside of a shape group is left out" : "has no shape group; it is left out");
-    return;
+    return shape.ignore_all();
   }
   // The parameter "animation" replaces "to_world".
   const auto* keys = shape.animation(shape.has("animation") ? "animation" : "to_world");

@@ -15,6 +15,7 @@ using test::material_of;
 using test::scene_of;
 using test::warnings_of;
 using testing::HasSubstr;
+using testing::Not;
 
 struct Replaced {
   const char* content;  // from line 2 on
@@ -133,6 +134,18 @@ TEST(MitsubaReplacedValues, AMaskWithoutItsImageIsOpaque) {
   EXPECT_EQ(material_of(R"(<bsdf type="mask"><bsdf type="diffuse"/></bsdf>)").opacity.value, 0.5f);
   expect_told(
       {content, R"(2: <bsdf type="mask">: the texture of 'opacity' is left out; the surface is opaque)"});
+}
+
+TEST(MitsubaLeftOut, ParametersOfWhatIsNotUsedAreNotTold) {
+  const std::vector<const char*> table{
+      R"(<sensor type="perspective"/><sensor type="perspective"><float name="fov" value="3"/></sensor>)",
+      R"(<shape type="obj"><string name="filename" value="ghost.obj"/><transform name="to_world"/></shape>)",
+      R"(<shape type="linearcurve"><transform name="to_world"/></shape>)",
+      R"(<shape type="instance"><transform name="to_world"/></shape>)",
+      R"(<sensor type="perspective"><float name="fov" value="35deg"/><string name="fov_axis" value="y"/></sensor>)",
+  };
+  for (const char* const content : table)
+    EXPECT_THAT(warnings_of(scene_of(content)), Not(HasSubstr("is ignored"))) << content;
 }
 
 TEST(MitsubaLeftOut, ShapesWithoutAFile) {
