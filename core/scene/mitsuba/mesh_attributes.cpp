@@ -51,6 +51,15 @@ NamedAttributes attributes_of(const ShapeMesh& mesh) {
   return all;
 }
 
+Rgb largest_of(const Attribute& attribute) {
+  Rgb largest;
+  for (std::size_t i = 0; i < attribute.size(); ++i) {
+    const Rgb value = attribute.value(i);
+    largest = {std::max(largest.r, value.r), std::max(largest.g, value.g), std::max(largest.b, value.b)};
+  }
+  return largest;
+}
+
 // Blocks of two by two texels in rows, as many as there are triangles.
 struct Atlas {
   std::size_t columns, rows;
@@ -143,7 +152,7 @@ AttributeTextures make_attribute_textures(Conversion& conversion, const Plugin& 
   const Atlas atlas(mesh.mesh.triangles.size());
   for (const auto& [name, attribute] : attributes_of(mesh)) {
     Texture texture = texture_of(conversion, atlas_image(attribute, mesh.mesh, atlas));
-    if (texture.image) textures.emplace(name, std::move(texture));
+    if (texture.image) textures[name] = {std::move(texture), largest_of(attribute)};
   }
   give_own_vertices(mesh.mesh, atlas);
   return textures;
@@ -161,7 +170,7 @@ AttributeTextures mean_attributes(Conversion& conversion, const ShapeMesh& mesh)
     const std::vector<float> mean{static_cast<float>(r / count), static_cast<float>(g / count),
                                   static_cast<float>(b / count)};
     Texture texture = texture_of(conversion, TextureImage(1, 1, mean));
-    if (texture.image) textures.emplace(name, std::move(texture));
+    if (texture.image) textures[name] = {std::move(texture), largest_of(attribute)};
   }
   return textures;
 }

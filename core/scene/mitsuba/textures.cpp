@@ -89,8 +89,11 @@ ColorParameter TextureConverter::color(const Plugin& owner, std::string_view nam
   auto found = value(owner, name, site);
   if (!found) return {otherwise, -1};
   if (found->texture) {
+    const Rgb brightest = found->largest.value_or(found->texture->largest());
+    const bool exceeds = max_component(brightest * found->factor) > largest;
     if (limit(*found, largest))
-      owner.warn(fmt::format("the texture of '{}' is clamped to at most {}", name, largest));
+      owner.warn(exceeds ? fmt::format("the texture of '{}' is clamped to at most {}", name, largest)
+                         : fmt::format("the colours of '{}' between vertices are not exact", name));
     return {found->factor, conversion_.builder.add_texture(*found->texture)};
   }
   const Rgb c = found->factor;
@@ -295,7 +298,7 @@ TextureConverter::Value TextureConverter::attribute(const Plugin& plugin, const 
   const Rgb factor = Rgb::gray(plugin.real("scale", 1));
   if (site.attributes != nullptr) {
     const auto found = site.attributes->find(name);
-    if (found != site.attributes->end()) return {factor, found->second};
+    if (found != site.attributes->end()) return {factor, found->second.texture, false, found->second.largest};
   }
   plugin.warn(
       fmt::format("the shape has no attribute {}; the constant {} replaces it", in_quotes(name), kNoTexture));

@@ -24,8 +24,13 @@ enum class UvLayout {
   kDisk,       // (v, 1 - u)
 };
 
-// What a mesh has for <texture type="mesh_attribute">, as images over its texture coordinates.
-using AttributeTextures = std::map<std::string, Texture, std::less<>>;
+// What a mesh has for <texture type="mesh_attribute">, as an image over its texture coordinates. Some texels
+// may be larger than the largest value.
+struct AttributeTexture {
+  Texture texture;
+  Rgb largest;
+};
+using AttributeTextures = std::map<std::string, AttributeTexture, std::less<>>;
 
 // The shape that a texture is looked up on.
 struct TextureSite {
@@ -67,7 +72,8 @@ class TextureConverter {
   struct Value {
     Rgb factor = Rgb::gray(1);
     std::optional<Texture> texture{};
-    bool is_substitute = false;  // for a texture that cannot be had
+    bool is_substitute = false;    // for a texture that cannot be had
+    std::optional<Rgb> largest{};  // of an attribute
   };
 
   // The value of a property; nullopt if it has none that can be used.

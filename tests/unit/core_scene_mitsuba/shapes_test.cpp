@@ -195,6 +195,26 @@ TEST(MitsubaShape, AttributesOfFacesAndVerticesAreExact) {
   EXPECT_NEAR(of_vertices[1], 0.25, 1e-5);
 }
 
+// Of a mesh whose vertices have reflectances, the first one with this red.
+std::string warnings_of_color(const std::string& red) {
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float r\nproperty float g\nproperty float b\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n0 0 0 " +
+      red + " 0 0\n1 0 0 0 0 1\n1 1 0 1 1 1\n3 0 1 2\n";
+  return warnings_of(scene_of(
+      "<shape type='ply'><string name='filename' value='a.ply'/><bsdf type='diffuse'><texture "
+      "type='mesh_attribute' name='reflectance'><string name='name' value='vertex_color'/></texture></bsdf>"
+      "</shape>",
+      {{"a.ply", ply}}));
+}
+
+TEST(MitsubaShape, ColorsOfVerticesThatAreNotExactAreTold) {
+  EXPECT_THAT(warnings_of_color("1"),
+              HasSubstr("the colours of 'reflectance' between vertices are not exact"));
+  EXPECT_THAT(warnings_of_color("3"), HasSubstr("the texture of 'reflectance' is clamped to at most 1"));
+}
+
 TEST(MitsubaShape, MissingFilesCostTheShapeOnly) {
   const SceneDescription scene =
       scene_of("<shape type=\"obj\"><string name=\"filename\" value=\"gone.obj\"/></shape>");
