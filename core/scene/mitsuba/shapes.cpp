@@ -38,6 +38,8 @@ std::pair<Vec3, Vec3> frame_around(Vec3 n) {
 
 void ShapeConverter::add(const Plugin& shape, std::optional<std::uint32_t> object) {
   const std::string& type = shape.type();
+  if (shape.children(Kind::kBsdf).size() > 1)
+    shape.warn("has several BSDFs, which Mitsuba refuses; the first one is used");
   if (is_mesh(shape)) return add_mesh(shape, object);
   if (type == "sphere") return add_sphere(shape, object);
   if (type == "disk") return add_disk(shape, object);

@@ -154,6 +154,14 @@ TEST(MitsubaLeftOut, ShapesWithoutAFile) {
   expect_told({R"(<shape type="linearcurve"/>)", R"(2: <shape type="linearcurve">: lacks a 'filename')"});
 }
 
+TEST(MitsubaLeftOut, ASecondBsdfOfAShape) {
+  const char* const content =
+      R"(<shape type="sphere"><bsdf type="diffuse"/><bsdf type="conductor"><string name="material" value="Au"/></bsdf></shape>)";
+  expect_told(
+      {content, R"(2: <shape type="sphere">: has several BSDFs, which Mitsuba refuses; the first one)"});
+  EXPECT_THAT(warnings_of(scene_of(content)), Not(HasSubstr("is ignored")));
+}
+
 // As Cryptomatte calls them.
 TEST(MitsubaNames, AreTheIdsOfTheFile) {
   const SceneDescription scene = scene_of(
