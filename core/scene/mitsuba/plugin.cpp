@@ -30,7 +30,10 @@ const Property* Plugin::property(std::string_view name) const {
   auto& properties = node().properties;
   const auto found = std::find_if(properties.begin(), properties.end(),
                                   [&](const Property& p) { return p.name == name && !p.name.empty(); });
-  if (found == properties.end()) return nullptr;
+  if (found == properties.end()) {
+    if (auto& missing = conversion_->missing[type()]; !missing.contains(name)) missing.emplace(name);
+    return nullptr;
+  }
   found->used = true;
   return &*found;
 }
@@ -184,6 +187,22 @@ void Plugin::warn(std::string_view kind, std::string_view what) const {
                             [&] { return fmt::format("{}: {}", shown(), what); });
 }
 
+namespace {
+
+// "; did you mean 'radiance'?" if a parameter that the node lacks has a similar name.
+std::string similar_parameter(const Conversion& conversion, const Node& node, std::string_view name) {
+  const auto missing = conversion.missing.find(node.type);
+  if (missing == conversion.missing.end()) return "";
+  std::vector<std::string_view> known(missing->second.begin(), missing->second.end());
+  std::erase_if(known, [&](std::string_view each) {
+    return std::any_of(node.properties.begin(), node.properties.end(),
+                       [&](const Property& property) { return property.name == each; });
+  });
+  return similar_name(name, known) ? suggestion(name, known) : "";
+}
+
+}  // namespace
+
 void warn_of_unused(Conversion& conversion) {
   const SceneGraph& graph = conversion.graph;
   for (const Node& node : graph.nodes) {
@@ -191,12 +210,15 @@ void warn_of_unused(Conversion& conversion) {
     for (const Property& property : node.properties) {
       if (property.used) continue;
       const auto* child = std::get_if<Child>(&property.value);
-      const std::string what = child != nullptr && property.name.empty()
-                                   ? shown_node(graph.nodes[child->node])
-                                   : fmt::format("the parameter {}", in_quotes(property.name));
+      const bool is_parameter = child == nullptr || !property.name.empty();
+      const std::string what = is_parameter ? fmt::format("the parameter {}", in_quotes(property.name))
+                                            : shown_node(graph.nodes[child->node]);
       conversion.builder.warn(graph.files[property.where.file], property.where.line,
-                              fmt::format("unused {} {}", node.type, what),
-                              [&] { return fmt::format("{}: {} is ignored", shown_node(node), what); });
+                              fmt::format("unused {} {}", node.type, what), [&] {
+                                return fmt::format(
+                                    "{}: {} is ignored{}", shown_node(node), what,
+                                    is_parameter ? similar_parameter(conversion, node, property.name) : "");
+                              });
     }
   }
 }

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <limits>
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +31,8 @@ struct Conversion {
   float far_clip = std::numeric_limits<float>::infinity();
   float shutter_open = 0;    // the time of frame 0; each unit of time has a frame
   float shutter_frames = 0;  // how long the shutter is open
+  // Parameters that plugins of a type could have, but lack.
+  std::map<std::string, std::set<std::string, std::less<>>, std::less<>> missing{};
 
   void check(const Status& done) {
     if (!done && status) status = done;

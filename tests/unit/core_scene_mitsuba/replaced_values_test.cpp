@@ -162,6 +162,14 @@ TEST(MitsubaLeftOut, ASecondBsdfOfAShape) {
   EXPECT_THAT(warnings_of(scene_of(content)), Not(HasSubstr("is ignored")));
 }
 
+TEST(MitsubaLeftOut, MisspeltParameters) {
+  expect_told(
+      {R"(<emitter type="constant"><rgb name="radience" value="2"/></emitter>)",
+       "2: <emitter type=\"constant\">: the parameter 'radience' is ignored; did you mean 'radiance'?"});
+  expect_told({R"(<emitter type="constant"><rgb name="color" value="2"/></emitter>)",
+               "2: <emitter type=\"constant\">: the parameter 'color' is ignored\n"});
+}
+
 // As Cryptomatte calls them.
 TEST(MitsubaNames, AreTheIdsOfTheFile) {
   const SceneDescription scene = scene_of(
