@@ -6,6 +6,7 @@
 #include <bit>
 #include <utility>
 
+#include "core/base/letter_case.hpp"
 #include "core/scene/loader/mesh_file.hpp"
 #include "core/scene/loader/obj_reader.hpp"
 #include "core/scene/loader/ply_values.hpp"
@@ -16,17 +17,27 @@ namespace tessera::core {
 namespace {
 
 constexpr std::size_t kStlHeaderBytes = 84, kStlTriangleBytes = 50;
+constexpr std::size_t kStlHeadBytes = 4096;  // those that tell text from binary files
 constexpr bool kStlIsSwapped = std::endian::native == std::endian::big;
 
 std::uint64_t stl_triangle_count(std::string_view bytes) {
   return bytes.size() < kStlHeaderBytes ? 0 : load_ply_value<std::uint32_t>(bytes.data() + 80, kStlIsSwapped);
 }
 
-// A binary file may begin with "solid" as a text does, but then has the size that its count says.
 bool is_binary_stl(std::string_view bytes) {
-  const std::uint64_t size = kStlHeaderBytes + kStlTriangleBytes * stl_triangle_count(bytes);
-  if (bytes.size() >= kStlHeaderBytes && size == bytes.size()) return true;
-  return !bytes.starts_with("solid");
+  return bytes.size() >= kStlHeaderBytes &&
+         bytes.size() == kStlHeaderBytes + kStlTriangleBytes * stl_triangle_count(bytes);
+}
+
+// A binary header may begin with "solid", too, but the count after it has zero bytes.
+bool is_text_stl(std::string_view text) {
+  std::string_view head = trimmed(text.substr(0, kStlHeadBytes));
+  while (head.starts_with('\n') || head.starts_with('\r')) head = trimmed(head.substr(1));
+  if (head.find('\0') != std::string_view::npos) return false;
+  const std::string lower = in_lower_case(head);
+  return lower.starts_with("facet") ||
+         (lower.starts_with("solid") &&
+          (lower.find("facet") != std::string::npos || lower.find("endsolid") != std::string::npos));
 }
 
 // Gives equal positions the same number, by open addressing. `expected` bounds their number.
@@ -98,39 +109,90 @@ Result<MeshFile> read_binary_stl(std::string_view bytes, const SceneLimit& limit
   return file;
 }
 
-// Reads "vertex X Y Z" lines; three between "outer loop" and "endloop" are a triangle.
-Result<MeshFile> read_text_stl(std::string_view bytes, const SceneLimit& limit) {
-  constexpr std::size_t kShortestVertex = std::string_view("vertex 0 0 0").size();
-  MeshFile file;
-  PositionIndex index(file.mesh.positions, bytes.size() / kShortestVertex);
-  std::vector<std::uint32_t> loop;
-  std::string_view rest = bytes;
-  for (int number = 1; !rest.empty(); ++number) {
-    std::string_view line = take_line(rest);
-    const std::string_view keyword = take_word(line);
-    if (keyword == "outer") loop.clear();
-    if (keyword == "vertex") {
-      std::array<float, 3> p{};
-      if (read_numbers(line, p).count != 3)
-        return fail(ErrorCode::kInvalidArgument,
-                    fmt::format("is a broken STL file (line {}: 'vertex' needs three numbers)", number));
-      if (loop.size() < 4) loop.push_back(index.number({p[0], p[1], p[2]}));
-    }
-    if (keyword != "endloop") continue;
-    if (loop.size() != 3)
-      return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("is a broken STL file (line {}: a loop needs three vertices)", number));
-    if (auto fits = check_stl_count(file.mesh.triangles.size() + 1, limit); !fits) return fail(fits.error());
-    file.mesh.triangles.push_back({loop[0], loop[1], loop[2]});
-    loop.clear();
+// Reads "vertex X Y Z" lines; three between "outer loop" and "endloop" are a triangle. Keywords in any case.
+class StlTextReader {
+ public:
+  StlTextReader(std::string_view text, const SceneLimit& limit)
+      : text_(text), limit_(limit), index_(file_.mesh.positions, text.size() / kShortestVertex) {}
+
+  Result<MeshFile> read();
+
+ private:
+  static constexpr std::size_t kShortestVertex = std::string_view("vertex 0 0 0").size();
+
+  Status statement(std::string_view keyword, std::string_view rest);
+  Status add_vertex(std::string_view numbers);
+  Status end_loop();
+  tl::unexpected<Error> broken(std::string_view what) const {
+    return fail(ErrorCode::kInvalidArgument, fmt::format("is a broken STL file (line {}: {})", line_, what));
   }
-  return file;
+
+  std::string_view text_;
+  const SceneLimit& limit_;
+  MeshFile file_;
+  PositionIndex index_;
+  std::vector<std::uint32_t> loop_;
+  int line_ = 0;
+  bool has_solid_ = false, is_complete_ = false;
+};
+
+Result<MeshFile> StlTextReader::read() {
+  std::string_view rest = text_;
+  while (!rest.empty()) {
+    std::string_view line = take_line(rest);
+    ++line_;
+    const std::string_view keyword = take_word(line);
+    if (auto done = statement(keyword, line); !done) {
+      const bool is_cut_off = rest.empty() && !text_.ends_with('\n') && !text_.ends_with('\r');
+      if (!is_cut_off || done.error().code != ErrorCode::kInvalidArgument) return fail(done.error());
+    }
+  }
+  if (!is_complete_)
+    file_.warnings.add("incomplete", 0,
+                       [] { return "ends without 'endsolid': a part of the mesh may be missing"; });
+  return std::move(file_);
+}
+
+Status StlTextReader::statement(std::string_view keyword, std::string_view rest) {
+  if (equal_ignoring_case(keyword, "vertex")) return add_vertex(rest);
+  if (equal_ignoring_case(keyword, "outer")) loop_.clear();
+  if (equal_ignoring_case(keyword, "endloop")) return end_loop();
+  if (equal_ignoring_case(keyword, "facet")) is_complete_ = false;
+  if (equal_ignoring_case(keyword, "endfacet")) is_complete_ = !has_solid_;
+  if (equal_ignoring_case(keyword, "endsolid")) is_complete_ = true;
+  if (equal_ignoring_case(keyword, "solid")) {
+    has_solid_ = true;
+    is_complete_ = false;
+  }
+  return {};
+}
+
+Status StlTextReader::add_vertex(std::string_view numbers) {
+  std::array<float, 3> p{};
+  if (read_numbers(numbers, p).count != 3) return broken("'vertex' needs three numbers");
+  if (loop_.size() < 4) loop_.push_back(index_.number({p[0], p[1], p[2]}));
+  return {};
+}
+
+Status StlTextReader::end_loop() {
+  if (loop_.size() != 3) return broken("a loop needs three vertices");
+  if (auto fits = check_stl_count(file_.mesh.triangles.size() + 1, limit_); !fits) return fits;
+  file_.mesh.triangles.push_back({loop_[0], loop_[1], loop_[2]});
+  loop_.clear();
+  return {};
+}
+
+Result<MeshFile> read_plain_stl(std::string_view bytes, const SceneLimit& limit) {
+  if (is_binary_stl(bytes)) return read_binary_stl(bytes, limit);
+  std::string converted;
+  const std::string_view text = as_utf8(bytes, converted);
+  return is_text_stl(text) ? StlTextReader(text, limit).read() : read_binary_stl(bytes, limit);
 }
 
 }  // namespace
 
 Result<MeshFile> read_stl(std::string_view bytes, const std::string& name, const SceneLimit& triangles) {
-  auto file = is_binary_stl(bytes) ? read_binary_stl(bytes, triangles) : read_text_stl(bytes, triangles);
+  auto file = read_plain_stl(bytes, triangles);
   if (!file) return fail(file.error().code, fmt::format("{} {}", in_quotes(name), file.error().message));
   if (file->mesh.triangles.empty())
     return fail(ErrorCode::kInvalidArgument, in_quotes(name) + " has no triangles");
