@@ -301,7 +301,7 @@ Status PlyReader::add_polygon() {
     warn(
         "polygon",
         [] { return "faces that name a vertex that is not there, or have too many corners, are left out"; },
-        1, "faces");
+        corners_.size() - 2, "triangles");
     return {};
   }
   for (const auto& [a, b, c] : polygon_)
