@@ -43,6 +43,9 @@ enum class MeshAttributes { kIgnore, kKeep };
 Result<MeshFile> read_ply(std::string_view bytes, const std::string& name, const SceneLimit& triangles = {},
                           MeshAttributes attributes = MeshAttributes::kIgnore);
 
+// Whether the bytes are text with the first keywords of STL files, or have the size that the header of a
+// binary STL file says.
+bool is_stl(std::string_view bytes);
 // Equal corners become one vertex. The file's normals are ignored, because they are those of the triangles.
 // Errors as above.
 Result<MeshFile> read_stl(std::string_view bytes, const std::string& name, const SceneLimit& triangles = {});

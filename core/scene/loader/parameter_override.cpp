@@ -145,10 +145,11 @@ Result<std::string> with_overrides(std::string text, std::span<const ParameterOv
 Result<std::string> OverriddenAssets::read(const std::string& path) {
   auto bytes = inner_.read(path);
   if (!bytes || path != scene_path_ || overrides_.empty()) return bytes;
-  const SceneFormat format = format_by_ending(path).value_or(format_by_content(*bytes));
+  const auto format = format_of(path, *bytes);
+  if (!format) return fail(format.error());
   for (const ParameterOverride& wanted : overrides_)
-    if (const Status fits = check_format(path, wanted, format); !fits) return fail(fits.error());
-  const std::vector<ParameterOverride> all = with_names(overrides_, format);
+    if (const Status fits = check_format(path, wanted, *format); !fits) return fail(fits.error());
+  const std::vector<ParameterOverride> all = with_names(overrides_, *format);
   if (gltf::is_binary(*bytes)) return with_glb_overrides(*bytes, all);
   return with_overrides(std::move(*bytes), all);
 }

@@ -191,6 +191,11 @@ Result<MeshFile> read_plain_stl(std::string_view bytes, const SceneLimit& limit)
 
 }  // namespace
 
+bool is_stl(std::string_view bytes) {
+  std::string converted;
+  return is_binary_stl(bytes) || is_text_stl(as_utf8(bytes.substr(0, kStlHeadBytes), converted));
+}
+
 Result<MeshFile> read_stl(std::string_view bytes, const std::string& name, const SceneLimit& triangles) {
   auto file = read_plain_stl(bytes, triangles);
   if (!file) return fail(file.error().code, fmt::format("{} {}", in_quotes(name), file.error().message));
