@@ -126,7 +126,8 @@ void Document::check_version() const {
   const std::string version = asset.text("version");
   if (version.empty()) return warn(root(), "version", "says no version of glTF; it is read as glTF 2.0");
   const std::string needed = asset.text("minVersion");
-  if (!version.starts_with("2.") || (!needed.empty() && needed != "2.0"))
+  if (version == "2") warn(asset, "version", "has the version 2; it is read as glTF 2.0");
+  if (!(version + ".").starts_with("2.") || (!needed.empty() && needed != "2.0"))
     asset.refuse(fmt::format("is glTF {}; only 2.0 can be read", needed.empty() ? version : needed));
 }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -35,6 +37,16 @@ void set_image_size(float aspect_ratio, RenderSettings& settings) {
   settings.width_px = static_cast<int>(std::lround(ratio * static_cast<float>(settings.height_px)));
 }
 
+void tell_unused_cameras(const Document& document, const std::vector<Node>& nodes) {
+  std::set<std::uint64_t> used;
+  for (const Node& node : nodes)
+    if (const auto index = node.value["camera"].as_whole()) used.insert(*index);
+  const Value cameras = document.root()["cameras"];
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    if (!used.contains(i))
+      document.warn(cameras.at(i), "unused cameras", "the camera is left out: no node uses it");
+}
+
 }  // namespace
 
 // A camera has its own name, or else that of its node.
@@ -53,6 +65,7 @@ void set_camera(const Document& document, const Selection& selection, const std:
     const std::string name = camera.text("name");
     names.push_back(printable(name.empty() ? nodes[i].value.text("name") : name));
   }
+  tell_unused_cameras(document, nodes);
   const std::size_t chosen = selected_camera(selection, names);
   if (cameras.empty()) return;
   if (selection.camera.empty() && cameras.size() > 1)

@@ -38,6 +38,14 @@ TEST(GltfCameras, LookAlongTheirNodes) {
   EXPECT_THAT(warnings_of(*scene), HasSubstr("cameras[1]: the scene is seen by its first camera"));
 }
 
+TEST(GltfCameras, AreReportedIfNoNodeUsesThem) {
+  GltfFile file = with_triangle();
+  file.json["cameras"] = {{{"type", "orthographic"}, {"orthographic", {{"xmag", 3}, {"ymag", 2}}}}};
+  const auto scene = load_gltf(file.text());
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_THAT(warnings_of(*scene), HasSubstr("cameras[0]: the camera is left out: no node uses it"));
+}
+
 TEST(GltfCameras, CanBeOrthographic) {
   GltfFile file = with_triangle();
   file.json["cameras"] = {{{"type", "orthographic"}, {"orthographic", {{"xmag", 3}, {"ymag", 2}}}}};
@@ -161,6 +169,14 @@ TEST(GltfExtensions, ThatAreUnknownAreRefusedOrTold) {
   EXPECT_THAT(warnings_of(*scene), HasSubstr("the optional extension 'KHR_texture_basisu' is not supported"));
   file.json["extensionsRequired"] = {"KHR_texture_basisu"};
   EXPECT_THAT(gltf_mistake(file.text()), HasSubstr("needs the extension 'KHR_texture_basisu'"));
+}
+
+TEST(GltfVersion, MayBeShort) {
+  GltfFile file = with_triangle();
+  file.json["asset"]["version"] = "2";
+  const auto scene = load_gltf(file.text());
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_THAT(warnings_of(*scene), HasSubstr("asset: has the version 2; it is read as glTF 2.0"));
 }
 
 // Changes a file with a triangle, and expects the message.
