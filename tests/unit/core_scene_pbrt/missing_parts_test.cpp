@@ -12,8 +12,8 @@ namespace {
 
 using testing::HasSubstr;
 
-// Of a scene without warnings but for this one.
-std::string only_warning(const std::string& world, const MemoryAssets::Files& files = {}) {
+// The warnings of a world to which a triangle is added.
+std::string told_of(const std::string& world, const MemoryAssets::Files& files = {}) {
   return warnings_of(pbrt_world(world + "\n" + kPbrtTriangle, files));
 }
 
@@ -27,7 +27,7 @@ TEST(PbrtMissingParts, EndsOfDirectives) {
   EXPECT_EQ(warnings_of(scene),
             "scene.pbrt:2: AttributeBegin has no end; it ends with the file\n"
             "scene.pbrt:3: TransformBegin has no end; it ends with the file\n");
-  EXPECT_EQ(only_warning(kPbrtTriangle + "ObjectBegin \"o\""),
+  EXPECT_EQ(told_of(kPbrtTriangle + "ObjectBegin \"o\""),
             "scene.pbrt:3: ObjectBegin has no end; it ends with the file\n");
 }
 
@@ -58,13 +58,13 @@ TEST(PbrtMissingParts, AlphaThatCannotBeReadIsOpaque) {
 
 TEST(PbrtMissingParts, FoldersOfWindows) {
   const MemoryAssets::Files files{{"tex/new/a.png", png(one_color(2, 2, Rgb{1, 0, 0}))}};
-  EXPECT_EQ(only_warning(image_texture("tex\\new\\a.png"), files),
+  EXPECT_EQ(told_of(image_texture("tex\\new\\a.png"), files),
             "scene.pbrt:2: 'tex\\new\\a.png' does not exist; 'tex/new/a.png' is used\n");
-  EXPECT_EQ(only_warning(image_texture("tex\\\\new\\\\a.png"), files),
+  EXPECT_EQ(told_of(image_texture("tex\\\\new\\\\a.png"), files),
             "scene.pbrt:2: 'tex\\new\\a.png' does not exist; 'tex/new/a.png' is used\n");
-  EXPECT_EQ(only_warning(image_texture("tex\\new\\b.png"), files),
+  EXPECT_EQ(told_of(image_texture("tex\\new\\b.png"), files),
             "scene.pbrt:2: the image 'tex\\new\\b.png' does not exist; gray is used\n");
-  EXPECT_EQ(only_warning("Include \"parts\\new.pbrt\"", {{"parts/new.pbrt", ""}}),
+  EXPECT_EQ(told_of("Include \"parts\\new.pbrt\"", {{"parts/new.pbrt", ""}}),
             "scene.pbrt:2: 'parts\\new.pbrt' does not exist; 'parts/new.pbrt' is used\n");
 }
 
@@ -84,12 +84,12 @@ TEST(PbrtMissingParts, NamesInAnotherLetterCaseAreToldOnce) {
 }
 
 TEST(PbrtMissingParts, NamesOfFilesAndTypes) {
-  EXPECT_EQ(only_warning("Shape \"plymesh\""),
+  EXPECT_EQ(told_of("Shape \"plymesh\""),
             "scene.pbrt:2: the shape 'plymesh' has no file name; it is left out\n");
-  EXPECT_EQ(only_warning("Texture \"t\" \"spectrum\" \"imagemap\""),
+  EXPECT_EQ(told_of("Texture \"t\" \"spectrum\" \"imagemap\""),
             "scene.pbrt:2: the texture 'imagemap' has no file name; gray is used\n");
   const std::string material = "MakeNamedMaterial \"a\" \"rgb reflectance\" [1 0 0]\nNamedMaterial \"a\"";
-  EXPECT_EQ(only_warning(material), "scene.pbrt:2: the material 'a' has no type; a diffuse one is used\n");
+  EXPECT_EQ(told_of(material), "scene.pbrt:2: the material 'a' has no type; a diffuse one is used\n");
   EXPECT_EQ(std::get<Lambert>(pbrt_material(material).model).albedo.value, (Rgb{1, 0, 0}));
 }
 
