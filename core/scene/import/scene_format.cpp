@@ -30,7 +30,7 @@ constexpr std::array<std::pair<std::string_view, SceneFormat>, 10> kEndings{{
 }};
 
 std::string_view without_leading_blanks(std::string_view text) {
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  text = without_byte_order_mark(text);
   return text.substr(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
 }
 

@@ -65,7 +65,7 @@ class PlyHeaderReader {
 
 Result<PlyHeader> PlyHeaderReader::read() {
   ++line_;
-  if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);  // a byte order mark
+  rest_ = without_byte_order_mark(rest_);
   if (trimmed(take_line(rest_)) != "ply")
     return fail(ErrorCode::kInvalidArgument, "is no PLY file: it does not begin with 'ply'");
   while (!rest_.empty()) {

@@ -112,10 +112,14 @@ std::string_view take_word(std::string_view& line) {
   return word;
 }
 
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
+}
+
 std::string_view as_utf8(std::string_view text, std::string& converted) {
-  if (text.starts_with("\xef\xbb\xbf")) return text.substr(3);
   const bool little_endian = text.starts_with("\xff\xfe"), big_endian = text.starts_with("\xfe\xff");
-  if (!little_endian && !big_endian) return text;
+  if (!little_endian && !big_endian) return without_byte_order_mark(text);
   converted = from_utf16(text.substr(2), big_endian);
   return converted;
 }

@@ -35,6 +35,8 @@ class StatementLines {
 
 // Removes and returns the first word of `line` with the blanks around it; empty at the end.
 std::string_view take_word(std::string_view& line);
+// Removes the byte order mark of UTF-8.
+std::string_view without_byte_order_mark(std::string_view text);
 // Removes a byte order mark. UTF-16 text with a byte order mark is converted, into `converted`.
 std::string_view as_utf8(std::string_view text, std::string& converted);
 // Removes blanks at both ends.

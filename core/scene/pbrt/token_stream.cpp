@@ -1,18 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/pbrt/token_stream.hpp"
 
-#include <string_view>
+#include "core/scene/loader/text_lines.hpp"
 
 namespace tessera::core::pbrt {
-namespace {
-
-std::string_view without_byte_order_mark(std::string_view text) {
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  return text;
-}
-
-}  // namespace
 
 TokenStream::File::File(SourceText source)
     : path(std::make_shared<const std::string>(std::move(source.path))),
