@@ -164,11 +164,8 @@ test('earlier moments are kept without being asked for', async () => {
 
 test('a snapshot of one image of several has the samples of that image', async () => {
   const id = await farm.submitScene(glowingSphere(kWidth, kHeight), {frames: [1, 2], overrides: {spp: 256}});
-  const done = async () => (await farm.api(`jobs/${id}`)).images.map((each) => each.samples_done);
-  await until('samples', async () => (await done())[0] > 0);
-  await farm.api(`jobs/${id}/pause`, {method: 'POST'});
-  await until('the last leases', async () => (await farm.api(`jobs/${id}`)).active_workers === 0);
-  const samples = await done();
+  await until('samples', async () => (await farm.api(`jobs/${id}`)).images[0].samples_done > 0);
+  const samples = (await farm.pause(id)).images.map((each) => each.samples_done);
   assert.notEqual(samples[0], samples[1]);
   const page = await openCompared(id);
   await page.getByRole('button', {name: 'Take a snapshot'}).click();

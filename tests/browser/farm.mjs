@@ -203,6 +203,21 @@ export class Farm {
     );
   }
 
+  // Waits until nothing of a paused job changes: its leases have ended, and the images have all samples that
+  // were counted, which reach them a moment later.
+  async waitForRest(id) {
+    return until(`${id} rests`, async () => {
+      const job = await this.api(`jobs/${id}`);
+      const ofImages = job.images.reduce((sum, image) => sum + image.samples_done, 0);
+      return job.active_workers === 0 && ofImages === job.samples_done ? job : null;
+    });
+  }
+
+  async pause(id) {
+    await this.api(`jobs/${id}/pause`, {method: 'POST'});
+    return this.waitForRest(id);
+  }
+
   async close() {
     await Promise.all(this.workers.map((worker) => end(worker, 'SIGKILL')));
     await end(this.coordinator);

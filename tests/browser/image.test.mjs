@@ -175,10 +175,7 @@ test('the halves of the EXR file, before the render is complete', async () => {
   // Nothing changes while the two are compared.
   await page.getByRole('button', {name: 'Pause'}).click();
   await farm.waitForState(id, 'paused');
-  await until(
-    'the last leases are delivered',
-    async () => (await farm.api(`jobs/${id}`)).active_workers === 0,
-  );
+  await farm.waitForRest(id);
   await showPixels(page, kWidth, kHeight);
   const paused = await assertHalvesOfExr(page, id);
   assert.ok(paused.some((half) => half > 0));

@@ -21,8 +21,7 @@ withFarm({}, async (started) => {
   } else {
     const enough = async () => (await farm.api(`jobs/${id}`)).samples_done > 2000 * kTilePixels;
     await until('some tiles', enough);
-    await farm.api(`jobs/${id}/pause`, {method: 'POST'});
-    await until('the last leases', async () => (await farm.api(`jobs/${id}`)).active_workers === 0);
+    await farm.pause(id);
   }
   tiles = (await farm.api(`jobs/${id}`)).samples_done / kTilePixels;
 });

@@ -157,8 +157,7 @@ test('tiles are coloured by state, samples, noise and worker', async () => {
   const [width, height, spp] = [256, 192, 100000];
   const paused = await farm.submit(['--size', `${width}x${height}`, '--spp', String(spp)]);
   await until('samples', async () => (await farm.api(`jobs/${paused}`)).samples_done > 40 * width * height);
-  await farm.api(`jobs/${paused}/pause`, {method: 'POST'});
-  await until('the last leases', async () => (await farm.api(`jobs/${paused}`)).active_workers === 0);
+  await farm.pause(paused);
   // Results that were on their way are counted, too.
   let map = await farm.api(`jobs/${paused}/map`);
   await until('the last results', async () => {
