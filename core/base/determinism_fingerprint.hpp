@@ -9,6 +9,6 @@
 
 namespace tessera::core {
 
-inline constexpr std::string_view kDeterminismFingerprint = "472a3d18fadd1acb";
+inline constexpr std::string_view kDeterminismFingerprint = "b921df2a01dea42c";
 
 }  // namespace tessera::core

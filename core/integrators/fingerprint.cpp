@@ -226,10 +226,12 @@ SceneDescription sunlit_room() {
                     procedural(GridPattern{.layers = texture(1), .depth = 2, .columns = 2}),
                     procedural(FacingPattern{}, PatternSpace::kNormal),
                     procedural(ProductPattern{texture(9), texture(10)}),
-                    procedural(WindyPattern{})};
+                    procedural(WindyPattern{}),
+                    procedural(StepPattern{texture(1)}),
+                    procedural(MixPattern{texture(8), {Rgb::gray(0.5f)}, {1, 13}})};
   scene.materials = {{.name = "floor", .model = Lambert{texture(5)}},
                      {.name = "wall", .model = Lambert{texture(6)}, .bump = {.texture = 12, .height = 0.1f}},
-                     {.name = "side", .model = Lambert{texture(8)}},
+                     {.name = "side", .model = Lambert{texture(14)}},
                      {.name = "ball", .model = Plastic{.diffuse = texture(11), .roughness = {1, 7}}},
                      {.name = "pane", .model = Glass{}}};
   scene.shapes = {QuadDescription{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, 0},

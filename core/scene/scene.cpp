@@ -54,12 +54,11 @@ bool changes_lights(const Animation& animation) {
   return !animation.lights.empty() || !animation.materials.empty() || !animation.environment.empty();
 }
 
-// Replaces an opacity texture of a single texel (alpha that is 1 everywhere) by a number.
+// Replaces an opacity by an image of a single texel (alpha that is 1 everywhere) by a number.
 ScalarParameter without_constant_texture(const ScalarParameter& opacity,
                                          const std::vector<Texture>& textures) {
-  if (opacity.texture < 0) return opacity;
-  const Texture& texture = textures[static_cast<std::size_t>(opacity.texture)];
-  const bool is_constant = !texture.procedural && texture.image->width() == 1 && texture.image->height() == 1;
+  const TextureImage* image = image_of_opacity(opacity, textures);
+  const bool is_constant = image != nullptr && image->width() == 1 && image->height() == 1;
   return is_constant ? opacity_at(opacity, textures, {}) : opacity;
 }
 

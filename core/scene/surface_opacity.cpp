@@ -7,8 +7,7 @@ namespace tessera::core {
 namespace {
 
 bool cuts_out(const ScalarParameter& opacity, const std::vector<Texture>& textures) {
-  if (opacity.texture < 0) return !(opacity.value > 0);
-  return !textures[static_cast<std::size_t>(opacity.texture)].procedural;
+  return opacity.texture < 0 ? !(opacity.value > 0) : image_of_opacity(opacity, textures) != nullptr;
 }
 
 }  // namespace

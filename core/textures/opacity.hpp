@@ -2,6 +2,7 @@
 // The opacity of a surface at a point: the probability that light hits it.
 #pragma once
 
+#include <variant>
 #include <vector>
 
 #include "core/textures/texture.hpp"
@@ -15,6 +16,19 @@ inline float opacity_at(const ScalarParameter& opacity, const std::vector<Textur
   const float value = opacity.evaluate(textures, at);
   if (value >= kAlmostOne) return 1;
   return value > 0 ? value : 0;
+}
+
+// The image that alone determines an opacity, as it is or compared with a threshold; null for other textures.
+inline const TextureImage* image_of_opacity(const ScalarParameter& opacity,
+                                            const std::vector<Texture>& textures) {
+  if (opacity.texture < 0) return nullptr;
+  const Texture* texture = &textures[static_cast<std::size_t>(opacity.texture)];
+  if (texture->procedural) {
+    const auto* step = std::get_if<StepPattern>(&texture->procedural->pattern);
+    if (step == nullptr || step->base.texture < 0) return nullptr;
+    texture = &textures[static_cast<std::size_t>(step->base.texture)];
+  }
+  return texture->image.get();
 }
 
 }  // namespace tessera::core

@@ -180,6 +180,11 @@ class PatternAt {
     };
     return {raised(base.r), raised(base.g), raised(base.b)};
   }
+  RgbOf<T> of_pattern(const StepPattern& step, Vec3Of<T>) const {
+    const RgbOf<T> base = value(step.base);
+    const auto compared = [&](T channel) { return select(channel >= step.threshold, T(1.0f), T(0.0f)); };
+    return {compared(base.r), compared(base.g), compared(base.b)};
+  }
 
   RgbOf<T> of_pattern(const FacingPattern&, Vec3Of<T> p) const {
     using std::fabs;

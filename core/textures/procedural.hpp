@@ -81,6 +81,14 @@ struct PowerPattern {
   bool operator==(const PowerPattern&) const = default;
 };
 
+// 1 where the base is at least the threshold, in each channel, and 0 elsewhere.
+struct StepPattern {
+  ColorParameter base{Rgb::gray(1), -1};
+  float threshold = 0.5f;
+
+  bool operator==(const StepPattern&) const = default;
+};
+
 // |z|. With coordinates of the normal, how much the surface faces an axis (pbrt's "directionmix").
 struct FacingPattern {
   bool operator==(const FacingPattern&) const = default;
@@ -111,9 +119,9 @@ struct ProjectedPattern {
   bool operator==(const ProjectedPattern&) const = default;
 };
 
-using Pattern =
-    std::variant<CheckerboardPattern, DotsPattern, FbmPattern, WrinkledPattern, WindyPattern, MarblePattern,
-                 MixPattern, ProductPattern, PowerPattern, FacingPattern, GridPattern, ProjectedPattern>;
+using Pattern = std::variant<CheckerboardPattern, DotsPattern, FbmPattern, WrinkledPattern, WindyPattern,
+                             MarblePattern, MixPattern, ProductPattern, PowerPattern, FacingPattern,
+                             GridPattern, ProjectedPattern, StepPattern>;
 
 // What a pattern is a function of: the point in world space, (u, v, 0), or the unit geometric normal.
 enum class PatternSpace { kPosition, kUv, kNormal };

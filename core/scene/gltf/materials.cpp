@@ -76,7 +76,6 @@ Materials::Use Materials::convert(const Value& material) {
                    fmt::format("there is no alpha mode {}; the material is opaque", in_quotes(mode)));
   use.value = material;
   use.coordinate_names = coordinate_names(material);
-  if (alpha_mode(material) == AlphaMode::kMask) use.max_tints = kMaxMaskTints;
   use.transparent = alpha_mode(material) != AlphaMode::kOpaque;
   use.unlit = material.extension("KHR_materials_unlit").exists();
   use.material = add(material, use.unlit ? unlit(material) : surface(material));
@@ -159,13 +158,11 @@ ScalarParameter Materials::opacity(const Value& material, float vertex_alpha) {
   const float alpha = vertex_alpha * (factor.empty() ? 1 : within(place, factor_key, factor[3], 0, 1));
   const Value info = place[texture_key];
   if (mode == AlphaMode::kBlend) return {alpha, textures_.data(info, TextureChannel::kAlpha)};
-  const float cutoff = material.number_or("alphaCutoff", 0.5f);
-  if (!info.exists()) return alpha >= cutoff ? 1.0f : 0.0f;
-  document_.warn(
-      info, "mask",
-      "a mask is compared with its cutoff texel by texel: interpolated edges are soft within a texel");
-  return {1, textures_.converted(info, TextureChannel::kAlpha, fmt::format("mask {} {}", alpha, cutoff),
-                                 [&](float value) { return value * alpha >= cutoff ? 1.0f : 0.0f; })};
+  const float cutoff = std::clamp(material.number_or("alphaCutoff", 0.5f), 0.0f, kMaxPatternValue);
+  const int image = textures_.data(info, TextureChannel::kAlpha);
+  if (image < 0) return alpha >= cutoff ? 1.0f : 0.0f;
+  const StepPattern mask{{Rgb::gray(alpha), image}, cutoff};
+  return {1, document_.builder().add_texture({.procedural = ProceduralTexture{.pattern = mask}})};
 }
 
 Principled Materials::principled(const Value& material) {

@@ -28,7 +28,6 @@ class Materials {
     bool transparent = false;                     // its alphaMode is not OPAQUE
     bool unlit = false;                           // it has KHR_materials_unlit
     bool transmits = false;                       // clearly, with the base colour
-    std::size_t max_tints = kMaxVertexTints;
   };
   // The material of an index in the file, or the default one if it is absent or, after a warning, there is no
   // such material; each is converted once.

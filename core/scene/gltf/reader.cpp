@@ -280,7 +280,7 @@ void SceneReader::tint_triangles(Part& part, const Materials::Use& use) {
     colors = part.mesh.colors;
   const std::vector<float> alphas = use.transparent ? part.alphas : std::vector<float>();
   if (colors.empty() && alphas.empty()) return;
-  const TriangleTints all = triangle_tints(part.mesh, colors, alphas, use.max_tints);
+  const TriangleTints all = triangle_tints(part.mesh, colors, alphas);
   part.mesh.triangle_materials.clear();
   for (const VertexTint& tint : all.tints)
     part.mesh.triangle_materials.push_back(materials_.tinted(use, tint));

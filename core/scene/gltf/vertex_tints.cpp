@@ -46,7 +46,7 @@ std::size_t count_different(const std::vector<VertexTint>& tints, std::size_t ma
 }  // namespace
 
 TriangleTints triangle_tints(const MeshDescription& mesh, const std::vector<Rgb>& colors,
-                             const std::vector<float>& alphas, std::size_t max_tints) {
+                             const std::vector<float>& alphas) {
   TriangleTints result;
   const auto tint_of = [&](std::uint32_t vertex) {
     const Rgb color = colors.empty() ? Rgb::gray(1) : colors[vertex];
@@ -60,7 +60,7 @@ TriangleTints triangle_tints(const MeshDescription& mesh, const std::vector<Rgb>
   }
   const std::vector<VertexTint> exact = result.tints;
   for (const int steps : {255, 63, 15, 7, 3}) {
-    if (count_different(result.tints, max_tints) <= max_tints) break;
+    if (count_different(result.tints, kMaxVertexTints) <= kMaxVertexTints) break;
     result.steps = steps;
     for (std::size_t i = 0; i < exact.size(); ++i) result.tints[i] = rounded(exact[i], steps);
   }

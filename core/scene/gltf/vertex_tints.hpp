@@ -26,11 +26,10 @@ struct TriangleTints {
   int steps = 0;                     // to which channels were rounded; 0 if they were not
 };
 
-// Fewer where each has an image of its own.
-inline constexpr std::size_t kMaxVertexTints = 256, kMaxMaskTints = 16;
+inline constexpr std::size_t kMaxVertexTints = 256;
 // `colors` and `alphas` are those of the mesh's vertices; empty ones do not tint. Where there are more than
-// `max_tints` different tints, they are rounded.
+// kMaxVertexTints different tints, they are rounded.
 TriangleTints triangle_tints(const MeshDescription& mesh, const std::vector<Rgb>& colors,
-                             const std::vector<float>& alphas, std::size_t max_tints = kMaxVertexTints);
+                             const std::vector<float>& alphas);
 
 }  // namespace tessera::core::gltf

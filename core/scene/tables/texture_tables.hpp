@@ -79,6 +79,11 @@ inline constexpr auto kKeys<PowerPattern> = std::tuple{
     Key{"exponent", &PowerPattern::exponent, domains::kPatternExponent, "the exponent"}};
 
 template <>
+inline constexpr auto kKeys<StepPattern> = std::tuple{
+    Key{"base", &StepPattern::base, domains::kPatternColor, "what is compared, after interpolation"},
+    Key{"threshold", &StepPattern::threshold, domains::kPatternFactor, "the least value that gives 1"}};
+
+template <>
 inline constexpr auto kKeys<FacingPattern> = std::tuple{};
 
 template <>

@@ -46,9 +46,9 @@ inline constexpr std::array<std::string_view, 2> kColorSpaces{"srgb", "linear"};
 inline constexpr std::array<std::string_view, 3> kWraps{"repeat", "clamp", "mirror"};
 inline constexpr std::array<std::string_view, 2> kUvSets{"first", "second"};
 // In the order of Pattern's alternatives.
-inline constexpr std::array<std::string_view, 12> kPatternTypes{
-    "checkerboard", "dots",    "fbm",   "wrinkled", "windy", "marble",
-    "mix",          "product", "power", "facing",   "grid",  "projected"};
+inline constexpr std::array<std::string_view, 13> kPatternTypes{
+    "checkerboard", "dots",  "fbm",    "wrinkled", "windy",     "marble", "mix",
+    "product",      "power", "facing", "grid",     "projected", "step"};
 inline constexpr std::array<std::string_view, 3> kProjections{"planar", "spherical", "cylindrical"};
 inline constexpr std::array<std::string_view, 3> kPatternSpaces{"position", "uv", "normal"};
 inline constexpr std::array<std::string_view, 5> kChannels{"color", "alpha", "red", "green", "blue"};

@@ -37,7 +37,7 @@ inline const Principled& model_of(const SceneDescription& scene, std::size_t mat
 }
 
 inline Rgb texture_value(const SceneDescription& scene, int texture) {
-  return scene.textures.at(static_cast<std::size_t>(texture)).evaluate({0.5f, 0.5f});
+  return value_at(scene.textures.at(static_cast<std::size_t>(texture)), scene.textures, Vec2{0.5f, 0.5f});
 }
 
 inline nlohmann::json texture(int index = 0) {

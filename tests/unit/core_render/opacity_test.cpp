@@ -187,22 +187,32 @@ TEST(Opacity, MultipliesTheEmissionOfTexturedLamps) {
   }
 }
 
-// A disk that is cut out by a mask, and one that is cut of geometry.
+// A disk that is cut out by a mask, sharp or a threshold between its texels, and one that is cut of geometry.
 TEST(Opacity, CutsOutWhatGeometryCuts) {
-  constexpr int kSide = 512;
-  const auto brightness = [](bool mask, Integrator integrator) {
+  enum class Cut { kGeometry, kMask, kThreshold };
+  const auto brightness = [](Cut kind, Integrator integrator) {
     SceneMaker maker({.position = {0, 0, 4}, .look_at = {0, 0, 0}, .vertical_fov_degrees = 40});
     const auto white = maker.material(test::lambert(0.8f));
     maker.description().lights = {PointLightDescription{{2, 1, 3}, Rgb::gray(20)}};
     maker.add(card(-1, white, 3));
-    if (mask) {
+    if (kind != Cut::kGeometry) {
+      const int side = kind == Cut::kMask ? 512 : 64;
       std::vector<float> values;
-      for (int y = 0; y < kSide; ++y)
-        for (int x = 0; x < kSide; ++x)
-          values.push_back(std::hypot(x + 0.5f - kSide / 2, y + 0.5f - kSide / 2) < kSide / 2 ? 1.0f : 0.0f);
-      maker.description().textures = {texture_of(kSide, kSide, values)};
+      for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+          const float half = static_cast<float>(side) / 2;
+          const float radius = std::hypot(x + 0.5f - half, y + 0.5f - half) / half;
+          values.push_back(kind == Cut::kThreshold ? 1 - radius / 2 : (radius < 1 ? 1.0f : 0.0f));
+        }
+      maker.description().textures = {texture_of(side, side, values)};
       const auto cut = maker.material(test::lambert(0.3f));
       maker.description().materials[cut].opacity = {1, 0};
+      if (kind == Cut::kThreshold) {
+        const StepPattern step{{Rgb::gray(1), 0}, 0.5f};
+        maker.description().textures.push_back(
+            {.image = nullptr, .procedural = ProceduralTexture{.pattern = step}});
+        maker.description().materials[cut].opacity = {1, 1};
+      }
       maker.add(card(0, cut));
     } else {
       MeshDescription disk{.positions = {{0, 0, 0}},
@@ -222,8 +232,9 @@ TEST(Opacity, CutsOutWhatGeometryCuts) {
     return mean_radiance(maker.build(), {.integrator = integrator}, 400, 8).value;
   };
   for (const Integrator integrator : {Integrator::kMis, Integrator::kWhitted}) {
-    const double geometry = brightness(false, integrator);
-    EXPECT_NEAR(brightness(true, integrator), geometry, 0.003 * geometry);
+    const double geometry = brightness(Cut::kGeometry, integrator);
+    EXPECT_NEAR(brightness(Cut::kMask, integrator), geometry, 0.003 * geometry);
+    EXPECT_NEAR(brightness(Cut::kThreshold, integrator), geometry, 0.003 * geometry);
   }
 }
 
@@ -260,6 +271,10 @@ TEST(Opacity, OfASingleTexelIsANumber) {
   maker.description().textures = {texture_of(1, 1, {1})};
   const auto white = maker.material(test::lambert(0.5f));
   maker.description().materials[white].opacity = {1, 0};
+  EXPECT_TRUE(maker.build().is_opaque());
+  maker.description().textures.push_back(
+      {.image = nullptr, .procedural = ProceduralTexture{.pattern = StepPattern{{Rgb::gray(1), 0}, 1}}});
+  maker.description().materials[white].opacity = {1, 1};
   EXPECT_TRUE(maker.build().is_opaque());
   maker.description().materials[white].opacity = {0.5f, 0};
   EXPECT_FALSE(maker.build().is_opaque());

@@ -147,6 +147,17 @@ TEST(Patterns, CombineOthers) {
   EXPECT_FLOAT_EQ(pattern_at(mix, {}, all).r, -0.75f + 9.0f / 4);
 }
 
+TEST(Patterns, StepsCompareWhatIsInterpolated) {
+  // Two texels of 0 and 1.
+  const std::vector<Texture> all{
+      {.image = std::make_shared<TextureImage>(2, 1, std::vector<float>{0, 0, 0, 1, 1, 1})},
+      pattern_texture(StepPattern{{Rgb{1, 0.5f, 1}, 0}, 0.5f})};
+  const auto at = [&](float u) { return all[1].evaluate_unclamped(all, Vec2{u, 0.5f}); };
+  EXPECT_EQ(at(0.49f), Rgb());
+  EXPECT_EQ(at(0.51f), (Rgb{1, 0, 1}));
+  EXPECT_EQ(at(0.75f), Rgb::gray(1));
+}
+
 TEST(Patterns, FacingIsTheCosineToTheAxis) {
   Texture facing = pattern_texture(FacingPattern());
   facing.procedural->space = PatternSpace::kNormal;
@@ -264,7 +275,8 @@ std::vector<Texture> one_of_each() {
                            pattern_texture(PowerPattern{{Rgb::gray(1), 1}, 0.25f}),
                            pattern_texture(FacingPattern()),
                            pattern_texture(GridPattern{{Rgb{1, 2, 3}, 0}, 3, 2, Wrap::kMirror}),
-                           pattern_texture(ProjectedPattern{{Rgb::gray(1), 6}, Projection::kSpherical})};
+                           pattern_texture(ProjectedPattern{{Rgb::gray(1), 6}, Projection::kSpherical}),
+                           pattern_texture(StepPattern{{Rgb{1, 2, 0.5f}, 4}, 0.6f})};
   all[10].procedural->space = PatternSpace::kNormal;
   all[1].procedural->transform = compose(rotation({1, 2, 3}, 40), scaling({2, 3, 4}));
   all[5].procedural->space = PatternSpace::kUv;
