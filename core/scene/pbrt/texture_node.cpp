@@ -75,6 +75,12 @@ TexturePtr constant_texture(Rgb value) {
   return std::make_shared<const TextureNode>(TextureNode{ConstantNode{value}, 1});
 }
 
+TexturePtr unknown_texture() {
+  TextureNode gray{ConstantNode{Rgb::gray(0.5f)}};
+  gray.is_unknown = true;
+  return std::make_shared<const TextureNode>(std::move(gray));
+}
+
 TexturePtr make_texture(const decltype(TextureNode::node)& node) {
   TextureNode made{node, 1};
   made.has_patterns =
@@ -84,12 +90,16 @@ TexturePtr make_texture(const decltype(TextureNode::node)& node) {
   visit_children(made, [&](const TexturePtr& child) {
     made.weight += child->weight;
     made.has_patterns |= child->has_patterns;
+    made.is_unknown |= child->is_unknown;
     is_constant &= constant_of(child) != nullptr;
   });
   if (const auto* checker = std::get_if<CheckerNode>(&node))
     is_constant &= evaluate(*checker->a, {}) == evaluate(*checker->b, {});
   if (made.weight > kMaxTextureWeight) return nullptr;
-  if (is_constant) return constant_texture(evaluate(made, {}));
+  if (is_constant) {
+    made.node = ConstantNode{evaluate(made, {})};
+    made.weight = 1;
+  }
   return std::make_shared<const TextureNode>(std::move(made));
 }
 

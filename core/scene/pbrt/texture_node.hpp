@@ -110,9 +110,11 @@ struct TextureNode {
       node;
   int weight = 1;             // the number of nodes that an evaluation visits
   bool has_patterns = false;  // in itself or its children
+  bool is_unknown = false;    // it, or one of its children, cannot be read
 };
 
 TexturePtr constant_texture(Rgb value);
+TexturePtr unknown_texture();  // gray
 // Adds up the weights, and evaluates nodes of constants at once. nullptr beyond kMaxTextureWeight, so that
 // evaluations are cheap and not deeply recursive.
 TexturePtr make_texture(const decltype(TextureNode::node)& node);

@@ -377,10 +377,11 @@ TexturePtr Textures::alpha(const Parameters& p) {
   const Parameter* given = p.find("alpha");
   if (given == nullptr || given->type != "texture") return number(p, "alpha");
   const TexturePtr found = find(*given, Kind::kNumber);
-  if (found && found != unknown_) return found;
+  if (found && !found->is_unknown) return found;
   const std::string name = name_in(*given);
   report_.warn(p.place_of(given), "alpha " + name,
-               found ? fmt::format("the texture {} cannot be read; the surface is opaque", in_quotes(name))
+               found ? fmt::format("the texture {}, or a part of it, cannot be read; the surface is opaque",
+                                   in_quotes(name))
                      : fmt::format("there is no texture {}; the surface is opaque", in_quotes(name)));
   return nullptr;
 }

@@ -64,7 +64,7 @@ class Textures {
   SceneBuilder& builder_;
   const Report& report_;
   Colors& colors_;
-  const TexturePtr unknown_ = constant_texture(Rgb::gray(0.5f));  // what cannot be read
+  const TexturePtr unknown_ = unknown_texture();
   std::map<std::string, TexturePtr> numbers_, spectra_;
 };
 

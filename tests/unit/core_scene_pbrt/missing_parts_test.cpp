@@ -49,8 +49,15 @@ TEST(PbrtMissingParts, AlphaThatCannotBeReadIsOpaque) {
   const std::string sphere = "\nShape \"sphere\" \"texture alpha\" \"t\"";
   const SceneDescription no_image = pbrt_world(image_texture("gone.png", "float") + sphere);
   EXPECT_EQ(opacity_of(no_image).value, 1);
-  EXPECT_THAT(warnings_of(no_image),
-              HasSubstr("scene.pbrt:3: the texture 't' cannot be read; the surface is opaque\n"));
+  EXPECT_THAT(
+      warnings_of(no_image),
+      HasSubstr("scene.pbrt:3: the texture 't', or a part of it, cannot be read; the surface is opaque\n"));
+  const SceneDescription scaled =
+      pbrt_world(image_texture("gone.png", "float") +
+                 "\nTexture \"half\" \"float\" \"scale\" \"texture tex\" \"t\" \"float scale\" 0.5"
+                 "\nShape \"sphere\" \"texture alpha\" \"half\"");
+  EXPECT_EQ(opacity_of(scaled).value, 1);
+  EXPECT_THAT(warnings_of(scaled), HasSubstr("the texture 'half', or a part of it, cannot be read"));
   const SceneDescription no_texture = pbrt_world(sphere);
   EXPECT_EQ(opacity_of(no_texture).value, 1);
   EXPECT_EQ(warnings_of(no_texture), "scene.pbrt:3: there is no texture 't'; the surface is opaque\n");
