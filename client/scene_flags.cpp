@@ -73,7 +73,7 @@ constexpr std::pair<std::string_view, const char*> kSelections[] = {
     {core::kSelectCamera, "Camera of a glTF or Mitsuba file, by name or number from 0 [default: the first]"},
     {core::kSelectScene, "Scene of a glTF file [default: the file's]"},
     {core::kSelectVariant, "Variant of the materials of a glTF file [default: none]"},
-    {core::kSelectAnimation, "Animation of a glTF file, or none [default: the first]"}};
+    {core::kSelectAnimation, "Animation of a glTF file, all or none [default: the first]"}};
 
 double parse_seconds(const std::string& flag, const std::string& text) {
   const char* end = text.data() + text.size();

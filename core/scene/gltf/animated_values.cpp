@@ -100,8 +100,8 @@ constexpr std::size_t kMaxNumbers = std::size_t{1} << 20;
 
 class PointerAnimation {
  public:
-  PointerAnimation(Document& document, const Selection& selection)
-      : document_(document), animation_(*selection.animation), seconds_(selection.seconds.value_or(0)) {}
+  PointerAnimation(Document& document, const Value& animation, float seconds)
+      : document_(document), animation_(animation), seconds_(seconds) {}
 
   void apply() {
     const Value channels = animation_["channels"];
@@ -161,8 +161,8 @@ std::string pointer_of(const Value& target) {
 
 void apply_pointers(Document& document) {
   const Selection selection(document);
-  if (selection.animation && has_pointers(*selection.animation))
-    PointerAnimation(document, selection).apply();
+  for (const Value& animation : selection.animations)
+    if (has_pointers(animation)) PointerAnimation(document, animation, selection.seconds.value_or(0)).apply();
 }
 
 }  // namespace tessera::core::gltf

@@ -86,6 +86,7 @@ Materials::Use Materials::convert(const Value& material) {
 }
 
 std::uint32_t Materials::add(const Value& material, Material surface) {
+  surface.shading_normals = ShadingNormals::kPlain;
   surface.name = printable(material.text("name"));
   if (surface.name.empty()) surface.name = material.exists() ? material.path() : "default";
   return document_.builder().add_material(std::move(surface));
@@ -162,7 +163,8 @@ ScalarParameter Materials::opacity(const Value& material, float vertex_alpha) {
   const int image = textures_.data(info, TextureChannel::kAlpha);
   if (image < 0) return alpha >= cutoff ? 1.0f : 0.0f;
   const StepPattern mask{{Rgb::gray(alpha), image}, cutoff};
-  return {1, document_.builder().add_texture({.procedural = ProceduralTexture{.pattern = mask}})};
+  return {1, document_.builder().add_texture(
+                 {.image = nullptr, .procedural = ProceduralTexture{.pattern = mask}})};
 }
 
 Principled Materials::principled(const Value& material) {
@@ -206,24 +208,28 @@ void Materials::add_specular(const Value& extension, Principled& model) {
   if (!extension.exists() || is_metal) return;  // metals do not depend on it
   model.specular_weight = share(extension, "specularFactor", 1,
                                 textures_.data(extension["specularTexture"], TextureChannel::kAlpha));
-  model.specular_color = {strong_specular_color(extension, model),
+  model.specular_color = {specular_color(extension, model),
                           textures_.color(extension["specularColorTexture"])};
   if (model.base_metalness.value > 0)
     document_.warn(extension, "specular of metal", "the specular factor also changes the metallic part");
 }
 
-// A colour above 1 raises the reflectance of the index, of which the rest is a share.
-Rgb Materials::strong_specular_color(const Value& extension, Principled& model) {
+// The brightest channel changes the reflectance of the index, of which the others are shares: OpenPBR's
+// colour would tint the reflection and leave the base as dark as below an untinted one.
+Rgb Materials::specular_color(const Value& extension, Principled& model) {
   const Rgb color = extension.color_or("specularColorFactor", Rgb::gray(1));
   const float strongest = max_component(color);
-  if (!(strongest > 1) || !is_finite(color)) return clamped(extension, color);
-  const float normal = normal_reflectance(model.specular_ior.value), wanted = normal * strongest;
+  if (strongest == 1 || !is_finite(color)) return clamped(extension, color);
   if (model.transmission_weight.value > 0 && !model.geometry_thin_walled) {
-    document_.warn(extension, "strong specular",
-                   "a colour above 1 would change the refraction of what transmits; it is clamped");
+    if (strongest > 1)
+      document_.warn(extension, "strong specular",
+                     "a colour above 1 would change the refraction of what transmits; it is clamped");
     return clamped(extension, color);
   }
+  const float normal = normal_reflectance(model.specular_ior.value);
+  const float wanted = normal * std::max(strongest, 0.0f);
   model.specular_ior = index_of_reflectance(std::min(wanted, 1.0f), kMaxIor);
+  if (!(wanted > 0)) return Rgb::gray(1);
   const float reached = normal_reflectance(model.specular_ior.value);
   constexpr float kVisible = 0.01f;
   if (std::min(wanted, 1.0f) > reached + kVisible)

@@ -69,7 +69,7 @@ class Materials {
   void add_metalness(const Value& place, Principled& model);
   void add_specular_glossiness(const Value& extension, Principled& model);
   void add_specular(const Value& extension, Principled& model);
-  Rgb strong_specular_color(const Value& extension, Principled& model);
+  Rgb specular_color(const Value& extension, Principled& model);
   void add_transmission(const Value& material, Principled& model);
   void add_anisotropy_direction(const Value& extension, Principled& model);
   void add_roughness(const Value& material, Principled& model);

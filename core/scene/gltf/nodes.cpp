@@ -116,23 +116,37 @@ bool is_visible(const Value& node) {
   return node.extension("KHR_node_visibility").is_true("visible", true);
 }
 
-// The chosen animation; nullopt if there is none.
-std::optional<NodeAnimation> read_animation(const Document& document, Accessors& accessors,
-                                            const Selection& selection) {
+// What was not chosen of the animations.
+void tell_choice(const Document& document, const Value& animations, const Selection& selection) {
+  const std::size_t all = animations.size(), chosen = selection.animations.size();
+  if (chosen == 0) return;
+  const std::string played =
+      chosen < all
+          ? fmt::format("{} of {} animations",
+                        selection.animations[0].path() == animations.at(0).path() ? "the first" : "one", all)
+          : (all == 1 ? "its animation" : fmt::format("all {} animations", all));
+  if (!selection.seconds)
+    document.warn(animations, "animation",
+                  fmt::format("the scene is rendered as it is at the beginning of {}; a time can be chosen "
+                              "(--animation-time), {}or none (--animation none)",
+                              played, chosen < all ? "another one or all (--animation all), " : ""));
+  else if (chosen < all && !selection.names_animations)
+    document.warn(
+        animations, "animation",
+        fmt::format("only {} is played; another one can be chosen, or all (--animation all)", played));
+}
+
+// Those that were chosen.
+std::vector<NodeAnimation> read_animations(const Document& document, Accessors& accessors,
+                                           const Selection& selection) {
   const Value animations = document.root()["animations"];
   for (std::size_t i = 0; i < animations.size(); ++i)
     document.builder().scene().contents.animations.push_back(
         {printable(animations.at(i).text("name")), length_of(document, animations.at(i))});
-  if (!selection.animation) return std::nullopt;
-  NodeAnimation animation(document, accessors, *selection.animation);
-  if (!selection.seconds)
-    document.warn(
-        animations, "animation",
-        fmt::format("the scene is rendered as it is at the beginning of {} of {} animations; a time "
-                    "can be chosen (--animation-time), or none (--animation none)",
-                    selection.animation->path() == animations.at(0).path() ? "the first" : "one",
-                    animations.size()));
-  return animation;
+  tell_choice(document, animations, selection);
+  std::vector<NodeAnimation> chosen;
+  for (const Value& animation : selection.animations) chosen.emplace_back(document, accessors, animation);
+  return chosen;
 }
 
 Value default_scene(const Document& document) {
@@ -188,10 +202,11 @@ std::vector<Node> read_nodes(const Document& document, Accessors& accessors, con
   }
   connect(document, nodes);
   cut_cycles(document, nodes);
-  const auto animation = read_animation(document, accessors, selection);
+  const auto animations = read_animations(document, accessors, selection);
   for (const float moment : selection.moments()) {
     std::vector<NodePose> poses = at_rest;
-    if (animation) animation->apply(selection.seconds.value_or(0) + moment, poses);
+    for (const NodeAnimation& animation : animations)
+      animation.apply(selection.seconds.value_or(0) + moment, poses);
     place(nodes, poses);
   }
   return nodes;

@@ -72,6 +72,7 @@ PlacedCamera read_camera(const Value& camera, const Transform& to_world) {
   const float reach = std::max(1.0f, length(to_world.origin));
   description.look_at = to_world.origin + direction_of(to_world, {0, 0, -1}) * reach;
   description.up = direction_of(to_world, {0, 1, 0});
+  description.mirrored = to_world.determinant() < 0;
   const std::string type = camera.text("type");
   if (type == "orthographic")
     read_orthographic(camera["orthographic"], result);

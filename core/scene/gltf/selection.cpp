@@ -25,15 +25,27 @@ std::vector<std::string> names_in(const Value& list) {
   return names;
 }
 
-// Whether no animation is wanted, rather than one of this name.
-bool is_none(std::string_view wanted, const std::vector<std::string>& names) {
-  return wanted == kSelectNone && std::find(names.begin(), names.end(), wanted) == names.end();
-}
-
 std::optional<Value> chosen_of(const Value& list, std::string_view what, const Value& extension) {
   const std::string wanted = extension.text(what);
   if (wanted.empty()) return std::nullopt;
   return list.at(selected(what, wanted, names_in(list)));
+}
+
+// The first one if nothing is said. Animations may be named "none" and "all".
+std::vector<Value> animations_of(const Value& list, const Value& extension) {
+  const std::string wanted = extension.text(kSelectAnimation);
+  const std::vector<std::string> names = names_in(list);
+  const bool is_name = std::find(names.begin(), names.end(), wanted) != names.end();
+  if (wanted == kSelectNone && !is_name) return {};
+  std::vector<Value> chosen;
+  if (wanted == kSelectAll && !is_name) {
+    for (std::size_t i = 0; i < list.size(); ++i) chosen.push_back(list.at(i));
+  } else if (!wanted.empty()) {
+    chosen.push_back(list.at(selected(kSelectAnimation, wanted, names)));
+  } else if (list.size() > 0) {
+    chosen.push_back(list.at(0));
+  }
+  return chosen;
 }
 
 std::optional<float> seconds_of(const Value& extension, std::string_view what, bool is_animated) {
@@ -54,16 +66,13 @@ std::optional<float> seconds_of(const Value& extension, std::string_view what, b
 
 Selection::Selection(const Document& document) {
   const Value root = document.root(), extension = root.extension(kGltfSelection);
-  const Value animations = root["animations"];
   const Value variants = root.extension("KHR_materials_variants")["variants"];
   camera = extension.text(kSelectCamera);
   scene = chosen_of(root["scenes"], kSelectScene, extension);
-  if (!is_none(extension.text(kSelectAnimation), names_in(animations))) {
-    animation = chosen_of(animations, kSelectAnimation, extension);
-    if (!animation && animations.size() > 0) animation = animations.at(0);
-  }
-  seconds = seconds_of(extension, kSelectTime, animation.has_value());
-  shutter_seconds = seconds_of(extension, kSelectShutter, animation.has_value()).value_or(0);
+  animations = animations_of(root["animations"], extension);
+  names_animations = !extension.text(kSelectAnimation).empty();
+  seconds = seconds_of(extension, kSelectTime, !animations.empty());
+  shutter_seconds = seconds_of(extension, kSelectShutter, !animations.empty()).value_or(0);
   if (!(shutter_seconds >= 0 && shutter_seconds <= kMaxShutterFrames))
     extension[kSelectShutter].refuse(fmt::format("must be from 0 to {:g} seconds", kMaxShutterFrames));
   if (const std::string wanted = extension.text(kSelectVariant); !wanted.empty())

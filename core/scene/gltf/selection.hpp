@@ -17,9 +17,10 @@ struct Selection {
   std::string camera;          // a name or a number; empty: the first
   std::optional<Value> scene;  // nullopt: the file's default
   std::optional<std::size_t> variant;
-  std::optional<Value> animation;  // nullopt: there is none, or none is wanted
-  std::optional<float> seconds;    // nullopt: none was chosen, which means the beginning
-  float shutter_seconds = 0;       // how long the shutter is open from then on
+  std::vector<Value> animations{};  // played together; empty: there is none, or none is wanted
+  bool names_animations = false;    // they were chosen, and are no default
+  std::optional<float> seconds;     // nullopt: none was chosen, which means the beginning
+  float shutter_seconds = 0;        // how long the shutter is open from then on
 
   // The moments at which nodes are looked at, in seconds after the chosen time: 0, and some until the shutter
   // closes, between which they move evenly. They are frames of the scene.

@@ -17,8 +17,8 @@ namespace tessera::core {
 inline constexpr std::string_view kSelectCamera = "camera", kSelectScene = "scene",
                                   kSelectVariant = "variant", kSelectAnimation = "animation",
                                   kSelectTime = "time", kSelectShutter = "shutter";
-// Instead of the name of an animation: none of them.
-inline constexpr std::string_view kSelectNone = "none";
+// Instead of the name of an animation: none, or all of them together.
+inline constexpr std::string_view kSelectNone = "none", kSelectAll = "all";
 // Beside them: the names of the parameters that a command line replaces, one a line.
 inline constexpr std::string_view kReplacedParameters = "parameters";
 // The extension of a glTF file's root, whose members are strings and, for time and shutter, numbers of

@@ -67,6 +67,7 @@ class Converter {
   bool has_weight_of_transmission() const;
   bool refracts() const;
   float metallic_of_ambient() const;
+  bool is_plastic_of_blender() const;
   ScalarParameter roughness() const;
   ColorParameter diffuse() const;
   Rgb specular() const;
@@ -106,6 +107,11 @@ bool Converter::refracts() const {
   if (has_illum({4})) return m_.ior.value_or(1) > 1 && !m_.diffuse_map;
   if (has_illum({9})) return !is_physically_based() && (share_that_is_met() == 1 || share_that_is_met() == 0);
   return has_illum({6, 7});
+}
+
+// It writes illum 3 for metal, and a gray Ks.
+bool Converter::is_plastic_of_blender() const {
+  return has_illum({2}) && m_.ambient == Rgb::gray(1) && is_grey(specular());
 }
 
 // Blender writes metallic as Ka with illum 3.
@@ -261,8 +267,9 @@ MaterialModel Converter::model() const {
   const bool is_matt = !has_highlight || !is_shiny || !(m_.exponent.value_or(0) > 0);
   if (is_matt && textures_.roughness < 0) return Lambert{diffuse()};
   const ColorParameter base = diffuse();
-  // Without a diffuse part it is a metal of colour Ks.
-  if (is_black(base.value)) return microfacets({specular(), textures_.specular}, 1);
+  // Without a diffuse part it is a metal of colour Ks, except for what Blender writes for black plastic.
+  if (is_black(base.value) && !is_plastic_of_blender())
+    return microfacets({specular(), textures_.specular}, 1);
   return microfacets(base, 0);
 }
 

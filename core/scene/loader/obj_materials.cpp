@@ -149,8 +149,10 @@ void ObjMaterials::tell_other_name(const std::string& file, int line, const std:
 
 void ObjMaterials::tell_gap(const ObjFile& obj, std::size_t run, const Names& names, bool is_filled) {
   const std::uint32_t index = obj.runs[run].material;
-  const std::string_view filler =
-      is_filled ? "'default_material' is used" : "the default material, a mid-grey lambert, is used";
+  const std::string_view filler = is_filled ? "'default_material' is used"
+                                  : obj.text.colors.empty()
+                                      ? "the default material, a mid-grey lambert, is used"
+                                      : "a white lambert with the vertex colours is used";
   const std::size_t triangles = end_of_run(obj, run) - obj.runs[run].first_triangle;
   if (index == kNoMaterialName) {
     const auto text = [&] { return fmt::format("no 'usemtl' gives this face a material; {}", filler); };

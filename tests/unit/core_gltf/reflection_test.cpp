@@ -101,6 +101,26 @@ TEST(GltfReflection, SpecularColorsAboveOneRaiseTheIndex) {
   EXPECT_THAT(warnings_of(solid), HasSubstr("would change the refraction"));
 }
 
+// Blender writes 0 for surfaces without highlight; the base keeps its brightness.
+TEST(GltfReflection, SpecularColorsBelowOneLowerTheIndex) {
+  const auto model_of_color = [](const json& color) {
+    json material = extension("KHR_materials_specular", {{"specularColorFactor", color}});
+    material["pbrMetallicRoughness"] = {{"metallicFactor", 0}};
+    return model_of(scene_of(material));
+  };
+  const Principled half = model_of_color({0.5, 0.25, 0});
+  const float root = std::sqrt(0.02f);
+  EXPECT_FLOAT_EQ(half.specular_ior.value, (1 + root) / (1 - root));
+  EXPECT_NEAR(half.specular_color.value.r, 1, 1e-5f);
+  EXPECT_NEAR(half.specular_color.value.g, 0.5f, 1e-5f);
+  EXPECT_EQ(half.specular_color.value.b, 0);
+  EXPECT_EQ(model_of_color({0, 0, 0}).specular_ior.value, 1);
+}
+
+TEST(GltfReflection, HasPlainShadingNormals) {
+  EXPECT_EQ(scene_of(json::object()).materials[0].shading_normals, ShadingNormals::kPlain);
+}
+
 TEST(GltfReflection, SpecularGlossinessIsADielectricOfItsReflectance) {
   const auto scene = scene_of(extension(
       "KHR_materials_pbrSpecularGlossiness",

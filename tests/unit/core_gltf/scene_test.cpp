@@ -38,6 +38,20 @@ TEST(GltfCameras, LookAlongTheirNodes) {
   EXPECT_THAT(warnings_of(*scene), HasSubstr("cameras[1]: the scene is seen by its first camera"));
 }
 
+TEST(GltfCameras, MayBeMirrored) {
+  GltfFile file = with_triangle();
+  file.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 1.0}, {"znear", 0.1}}}}};
+  file.node({{"camera", 0}, {"scale", {-1, 1, 1}}});
+  const auto mirrored = load_gltf(file.text());
+  ASSERT_TRUE(mirrored) << mirrored.error().message;
+  EXPECT_TRUE(mirrored->camera.mirrored);
+  file.json["nodes"].back()["scale"] = {-1, -1, 1};
+  const auto turned = load_gltf(file.text());
+  ASSERT_TRUE(turned) << turned.error().message;
+  EXPECT_FALSE(turned->camera.mirrored);
+  EXPECT_EQ(turned->camera.up, (Vec3{0, -1, 0}));
+}
+
 TEST(GltfCameras, AreReportedIfNoNodeUsesThem) {
   GltfFile file = with_triangle();
   file.json["cameras"] = {{{"type", "orthographic"}, {"orthographic", {{"xmag", 3}, {"ymag", 2}}}}};

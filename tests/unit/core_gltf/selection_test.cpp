@@ -190,6 +190,33 @@ TEST(GltfAnimation, IsListedAndChosen) {
             "model.gltf: has no animation of which a time could be chosen");
 }
 
+// As Blender writes them, one for each object.
+TEST(GltfAnimation, CanBePlayedWithAllOthers) {
+  GltfFile file = animated("translation", "LINEAR", "VEC3", {0, 1}, {0, 0, 0, 4, 0, 8});
+  const GltfFile scaled = animated("scale", "LINEAR", "VEC3", {0, 1}, {1, 1, 1, 3, 1, 1});
+  const int times = file.floats("SCALAR", {0, 1}), scales = file.floats("VEC3", {1, 1, 1, 3, 1, 1});
+  auto other = scaled.json["animations"][0];
+  other["name"] = "Grow";
+  other["samplers"][0]["input"] = times;
+  other["samplers"][0]["output"] = scales;
+  file.json["animations"].push_back(other);
+  const auto played = [&](const Overrides& choice) {
+    const auto scene = load_chosen(file.text(), choice);
+    EXPECT_TRUE(scene) << scene.error().message;
+    return scene ? *scene : SceneDescription();
+  };
+  const SceneDescription all = played({select_by_name("animation", "all"), select_time(1)});
+  EXPECT_EQ(mesh_of(all).positions[1], (Vec3{7, 0, 8}));
+  EXPECT_THAT(all.warnings, IsEmpty());
+  const SceneDescription first = played({select_time(1)});
+  EXPECT_EQ(mesh_of(first).positions[1], (Vec3{5, 0, 8}));
+  EXPECT_THAT(warnings_of(first), HasSubstr("only the first of 2 animations is played"));
+  EXPECT_THAT(warnings_of(played({select_by_name("animation", "all")})),
+              HasSubstr("the beginning of all 2 animations"));
+  file.json["animations"].erase(1);
+  EXPECT_THAT(warnings_of(played({})), HasSubstr("the beginning of its animation; a time can be chosen"));
+}
+
 Overrides open_for(double seconds, double shutter) {
   return {select_time(seconds), select_shutter(shutter)};
 }

@@ -68,6 +68,13 @@ TEST(MtlMaterials, WithoutDiffusePartAreMetalsOfTheirHighlight) {
   EXPECT_EQ(m.f0.value, (Rgb{0.9f, 0.6f, 1}));
 }
 
+// What Blender writes for plastic with a black base colour.
+TEST(MtlMaterials, OfBlenderWithoutDiffusePartArePlastic) {
+  const auto m = model<CookTorrance>("Ns 250\nKa 1 1 1\nKd 0 0 0\nKs 0.5 0.5 0.5\nNi 1.45\nd 1\nillum 2\n");
+  EXPECT_TRUE(is_black(m.diffuse.value));
+  expect_near(m.f0.value, Rgb::gray(0.04f));
+}
+
 // What Blender writes for gold, and for plastic that is a quarter metal.
 TEST(MtlMaterials, OfThePhysicallyBasedExtensionArePrincipled) {
   const auto gold = model<Principled>(

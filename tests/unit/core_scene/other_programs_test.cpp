@@ -75,6 +75,14 @@ TEST(OtherPrograms, ADefaultMaterialFillsGapsAndAMaterialReplacesAll) {
   EXPECT_TRUE(replaced.warnings.empty());
 }
 
+TEST(OtherPrograms, WithVertexColoursAloneAreToldWhatTheyGet) {
+  const SceneDescription scene =
+      loaded({{"m/a.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n"}});
+  EXPECT_EQ(albedo_of(scene, 0), Rgb::gray(1));
+  EXPECT_EQ(scene.warnings, Strings{"m/a.obj:4: no 'usemtl' gives this face a material; a white lambert with "
+                                    "the vertex colours is used"});
+}
+
 TEST(OtherPrograms, ThatNameMissingLibrariesAreRendered) {
   const SceneDescription scene =
       loaded({{"m/a.obj", "mtllib gone.mtl a.mtl\n" + kVertices + "usemtl a\nf 1 2 3\nusemtl c\nf 1 2 4 3\n"},
