@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <spdlog/spdlog.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <cstdlib>
@@ -26,6 +25,7 @@
 #include "core/common/passed_sockets.hpp"
 #include "core/common/secret_file.hpp"
 #include "core/common/service_manager.hpp"
+#include "core/common/start_limits.hpp"
 #include "proto/certificates.hpp"
 #include "proto/channel.hpp"
 #include "server/admin/maintenance.hpp"
@@ -42,7 +42,8 @@ namespace {
 
 using namespace tessera;
 
-constexpr rlim_t kMinAddressBytes = rlim_t{1} << 30;
+// About as many as it has, without any connection.
+constexpr int kThreads = 40;
 
 // Blocks the signals of the operator in this thread and those it starts; sigwait() receives them.
 sigset_t block_signals() {
@@ -99,7 +100,8 @@ core::Result<std::unique_ptr<http_api::Api>> serve_page(const server::Options& o
   if (options.http == "off") return nullptr;
   auto page = http_api::Api::start(server.services(), {options.http, options.http_socket, options.security,
                                                        options.state / store::kSessionsName});
-  if (page || options.http_is_given) return page;
+  if (page) return page;
+  if (options.http_is_given) return core::fail(page.error().within("--http"));
   if (page.error().code != core::ErrorCode::kUnavailable) return page;
   spdlog::warn("there is no page: {} (--http HOST:PORT chooses another port, --http off silences this)",
                page.error().message);
@@ -133,16 +135,6 @@ core::Result<std::unique_ptr<scaling::ClusterServer>> serve_cluster(const server
 void warn_of_exposed_secrets(const server::Options& options) {
   for (const std::string& secret : {options.security.key, options.tokens})
     if (const auto warning = common::exposure_of(secret)) spdlog::warn("{}", *warning);
-}
-
-// Threads and gRPC end the process without a message if they cannot allocate what they need.
-core::Status check_address_space() {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur >= kMinAddressBytes) return {};
-  return core::fail(core::ErrorCode::kResourceExhausted,
-                    fmt::format("this process may use {} MiB of addresses, and a coordinator needs {}: raise "
-                                "the limit (ulimit -v, LimitAS= of systemd)",
-                                limit.rlim_cur >> 20, kMinAddressBytes >> 20));
 }
 
 // Calls in progress, jobs and connections are not affected, and a damaged file changes nothing.
@@ -185,7 +177,7 @@ void wait_for_stop(const server::Options& options, rpc::Server& server, http_api
 }
 
 core::Status run(const server::Options& options, std::vector<base::Fd> sockets, const sigset_t& signals) {
-  if (const auto enough = check_address_space(); !enough) return enough;
+  if (const auto enough = common::check_start_limits("a coordinator", kThreads); !enough) return enough;
   const server::ValidatorOptions validator{
       .program = options.validator, .limits = options.limits, .require_sandbox = options.require_sandbox};
   const auto warn = [](const std::string& line) { spdlog::warn("{}", line); };

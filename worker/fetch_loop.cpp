@@ -8,6 +8,7 @@
 #include <new>
 #include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "core/common/log.hpp"
@@ -69,6 +70,9 @@ core::Result<std::shared_ptr<const Job>> FetchLoop::fetch_or_run_out(const v1::J
     return fetch(spec, stop);
   } catch (const std::bad_alloc&) {
     return core::fail(core::ErrorCode::kResourceExhausted, "the scene's files: not enough memory");
+  } catch (const std::system_error& error) {  // no thread can be started
+    return core::fail(core::ErrorCode::kResourceExhausted,
+                      fmt::format("the scene's files: {}", error.what()));
   }
 }
 

@@ -13,6 +13,7 @@
 #include "core/common/metrics_server.hpp"
 #include "core/common/secret_file.hpp"
 #include "core/common/service_manager.hpp"
+#include "core/common/start_limits.hpp"
 #include "core/integrators/fingerprint.hpp"
 #include "proto/channel.hpp"
 #include "proto/client_credentials.hpp"
@@ -40,6 +41,9 @@ worker::SyncLoop::Explain explaining(const worker::Options& options) {
 // Building a scene and rendering a piece take less, or there is something wrong; loading has a limit of its
 // own.
 constexpr std::chrono::hours kLongestStep{1};
+
+// Beside those that render, about as many as it has.
+constexpr int kServiceThreads = 16;
 
 // Null if there is no address. The others must outlive it.
 core::Result<std::unique_ptr<common::MetricsServer>> serve_metrics(const worker::Options& options,
@@ -80,6 +84,12 @@ void reload(proto::ClientCredentials& credentials, const proto::ClientSecurity& 
 }
 
 int run(const worker::Options& options, char** arguments) {
+  if (const auto enough =
+          common::check_start_limits("a worker", static_cast<int>(options.threads) + kServiceThreads);
+      !enough) {
+    spdlog::error("{}", enough.error().message);
+    return 1;
+  }
   worker::StopSignals signals;
   if (options.cache.empty()) {
     spdlog::error("this user has no home folder to keep the cache in: choose a folder with --cache");

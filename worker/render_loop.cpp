@@ -59,6 +59,8 @@ void RenderLoop::render(const Piece& piece, const std::stop_token& stop) {
       if (done) return;
       why = done.error().message;
     } catch (const std::bad_alloc&) {
+    } catch (const std::system_error& error) {
+      why = fmt::format("cannot build and render the scene: {}", error.what());
     }
     const bool others = scenes_.has_others(piece.job->files);
     scenes_.clear();

@@ -14,7 +14,10 @@ void add_label_option(CLI::App& command, const std::string& what, Labels& labels
               const std::size_t equals = text.find('=');
               if (equals == std::string::npos || equals == 0)
                 throw CLI::ValidationError("--label", "must be KEY=VALUE; got '" + text + "'");
-              labels[text.substr(0, equals)] = text.substr(equals + 1);
+              const auto [label, is_new] = labels.emplace(text.substr(0, equals), text.substr(equals + 1));
+              if (!is_new)
+                throw CLI::ValidationError(
+                    "--label", "a job has one value of a label; '" + label->first + "' is given twice");
             }
           },
           what)

@@ -90,11 +90,16 @@ std::string lack_of_workers(Farm& farm, const core::RenderSettings& settings) {
   const auto page = farm.call(&Farm::Stub::ListWorkers, request);
   if (!page) return "";
   const auto is_connected = [](const v1::Worker& worker) { return !worker.silent(); };
+  const auto takes_work = [](const v1::Worker& worker) { return !worker.silent() && !worker.draining(); };
   if (std::ranges::none_of(page->workers(), is_connected))
     return fmt::format("no worker is connected; the job waits for one: tessera-worker --coordinator {}",
                        farm.address());
+  if (page->next_page_token().empty() && std::ranges::none_of(page->workers(), takes_work))
+    return "all connected workers are drained or stopping; the job waits for another one: tessera drain "
+           "--undo, "
+           "or start a worker";
   const auto suffices = [&](const v1::Worker& worker) {
-    return is_connected(worker) && (worker.renders_layers() || settings.layers.empty());
+    return takes_work(worker) && (worker.renders_layers() || settings.layers.empty());
   };
   if (!page->next_page_token().empty() || std::ranges::any_of(page->workers(), suffices)) return "";
   return "no connected worker renders layers; the job waits for one: update the workers";

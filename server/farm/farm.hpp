@@ -6,6 +6,7 @@
 // logged without it. Thread-safe.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <deque>
@@ -107,8 +108,10 @@ struct State {
   void count_open_job(const std::string& owner, int change);
 
   scheduler::Scheduler scheduler;
-  std::map<std::string, JobRecord> jobs;                    // by id
-  std::map<std::string, ValidatingJob> validating;          // by id; none of them is in `jobs`
+  std::map<std::string, JobRecord> jobs;            // by id
+  std::map<std::string, ValidatingJob> validating;  // by id; none of them is in `jobs`
+  // How many have ended without becoming running, by scheduler::JobState.
+  std::array<std::uint64_t, scheduler::kJobStates> ended_unvalidated{};
   scheduler::RankedSet<events::Revision> validating_order;  // their revisions: the first submitted first
   std::map<std::string, std::string> job_of_request;        // ids by request_id
   // The unfinished jobs of each owner, with those that are being submitted (jobs/quota.hpp) or validated.

@@ -14,6 +14,7 @@ Totals totals_of(Farm& farm) {
   const StateLock lock(farm);
   return {.scheduler = lock->scheduler.totals(lock.now()),
           .validating_jobs = lock->validating.size(),
+          .ended_unvalidated = lock->ended_unvalidated,
           .waiting_calls = lock->waiting.size(),
           .quarantined_workers = lock->quarantine.size()};
 }

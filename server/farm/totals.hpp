@@ -2,7 +2,9 @@
 // What can be counted of a farm, at one moment. Thread-safe.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
 #include "server/farm/farm.hpp"
@@ -12,6 +14,7 @@ namespace tessera::farm {
 struct Totals {
   scheduler::Totals scheduler;  // its jobs are those in memory that are validated
   std::size_t validating_jobs = 0;
+  std::array<std::uint64_t, scheduler::kJobStates> ended_unvalidated{};  // State::ended_unvalidated
   std::size_t waiting_calls = 0;
   std::size_t quarantined_workers = 0;
 };

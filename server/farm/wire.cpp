@@ -61,6 +61,8 @@ std::string_view waiting_reason(scheduler::Waiting waiting) {
       return "paused";
     case scheduler::Waiting::kNoWorker:
       return "no worker is connected";
+    case scheduler::Waiting::kDraining:
+      return "all connected workers are drained or stopping";
     case scheduler::Waiting::kNoImages:
       return "no connected worker renders jobs of several images: update the workers";
     case scheduler::Waiting::kNoLayers:

@@ -257,6 +257,7 @@ std::optional<core::Result<JobSnapshot>> JobService::end_unvalidated(const std::
   validated = lock->remove_validating(id);
   record.files = std::move(validated.mapped().files);
   if (auto done = lock.add_job(event, std::move(record)); !done) return core::fail(done.error());
+  ++lock->ended_unvalidated[static_cast<std::size_t>(state)];
   const JobRecord& added = *lock->find_job(id);
   lock.log(spdlog::level::info,
            fmt::format("job {} ({}) is {}{}{}", id, added.spec->name(), scheduler::job_state_name(state),

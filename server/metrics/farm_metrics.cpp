@@ -30,9 +30,11 @@ void write_jobs(common::MetricWriter& writer, const farm::Totals& totals) {
                {{"state", std::string(job_state_name(static_cast<scheduler::JobState>(i)))}});
   writer.begin_counter("tessera_jobs_ended_total", "Jobs that have ended, by how they ended");
   for (const auto state :
-       {scheduler::JobState::kDone, scheduler::JobState::kCancelled, scheduler::JobState::kFailed})
-    writer.add(static_cast<double>(farm.counts.job_changes[static_cast<std::size_t>(state)]),
+       {scheduler::JobState::kDone, scheduler::JobState::kCancelled, scheduler::JobState::kFailed}) {
+    const auto at = static_cast<std::size_t>(state);
+    writer.add(static_cast<double>(farm.counts.job_changes[at] + totals.ended_unvalidated[at]),
                {{"state", std::string(job_state_name(state))}});
+  }
   writer.gauge("tessera_backlog_samples", "Pixel samples that running jobs lack, and those to be verified",
                static_cast<double>(farm.missing_samples + farm.samples_to_verify));
   writer.gauge("tessera_backlog_seconds",

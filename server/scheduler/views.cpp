@@ -13,7 +13,8 @@ Waiting FarmView::waiting_of(const Job& job) const {
   if (job.state() != JobState::kRunning || job.settled()) return Waiting::kNo;
   if (job.holder_count() > 0)
     return job.free() > 0 && !job.may_have_another_holder() ? Waiting::kMaxWorkers : Waiting::kNo;
-  if (farm_.registry.active_count() == 0) return Waiting::kNoWorker;
+  if (farm_.registry.active_count() == 0)
+    return farm_.registry.any_draining() ? Waiting::kDraining : Waiting::kNoWorker;
   if (!farm_.registry.any_active_for(job.shape()))
     return job.shape().has_layers ? Waiting::kNoLayers : Waiting::kNoImages;
   if (job.free() == 0) return Waiting::kVerification;

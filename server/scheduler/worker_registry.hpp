@@ -199,6 +199,7 @@ class WorkerRegistry {
 
   // The number of workers by what they do.
   const std::array<std::uint64_t, kWorkerActivities>& activities() const { return activities_; }
+  bool any_draining() const { return activities_[static_cast<std::size_t>(WorkerActivity::kDraining)] > 0; }
   // The number of workers that take leases.
   int active_count() const { return active_count_; }
   // The same by capabilities, without empty entries; and whether those of any of them suffice for a job.

@@ -158,6 +158,7 @@ void JobStore::Impl::apply(std::span<PendingChange* const> group) {
 }
 
 core::Status JobStore::insert_job(const JobRow& job) {
+  if (auto there = expect_file(); !there) return there;
   return impl_->write([&] {
     Statement& insert = impl_->writer->insert_job;
     bind_all(insert, job);

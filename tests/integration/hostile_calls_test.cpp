@@ -243,18 +243,20 @@ TEST_F(HostileCallsTest, SecretsAndStateAreForTheOwnerAlone) {
 }
 
 TEST_F(HostileCallsTest, ATooSmallAddressSpaceIsReportedAtTheStart) {
-  for (const char* const kib : {"900000", "400000", "150000"}) {
-    ProcessOptions options;
-    options.arguments = {"/bin/sh", "-c",
-                         std::string("ulimit -v ") + kib +
-                             "; exec " TESSERA_COORDINATOR_PROGRAM " --listen 127.0.0.1:0 --state " +
-                             (folder_ / "state").string()};
-    options.out = folder_ / "out";
-    options.err = folder_ / "err";
-    Process process(options);
-    EXPECT_EQ(process.wait(20s), 1);
-    EXPECT_THAT(process.err(), AllOf(HasSubstr("MiB of addresses"), HasSubstr("ulimit -v")));
-  }
+  const std::string coordinator =
+      TESSERA_COORDINATOR_PROGRAM " --listen 127.0.0.1:0 --state " + (folder_ / "state").string();
+  const std::string worker =
+      TESSERA_WORKER " --coordinator 127.0.0.1:1 --threads 1 --cache " + (folder_ / "cache").string();
+  for (const std::string& program : {coordinator, worker})
+    for (const char* const kib : {"900000", "400000", "150000"}) {
+      ProcessOptions options;
+      options.arguments = {"/bin/sh", "-c", std::string("ulimit -v ") + kib + "; exec " + program};
+      options.out = folder_ / "out";
+      options.err = folder_ / "err";
+      Process process(options);
+      EXPECT_EQ(process.wait(20s), 1);
+      EXPECT_THAT(process.err(), AllOf(HasSubstr("MiB of addresses"), HasSubstr("ulimit -v")));
+    }
 }
 
 }  // namespace

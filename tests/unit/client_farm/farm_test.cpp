@@ -212,6 +212,9 @@ TEST_F(FarmCalls, OfJobsWithLayersTellThatNoWorkerRendersThem) {
   EXPECT_EQ(lack_of_workers(*farm_, plain),
             "no worker is connected; the job waits for one: tessera-worker --coordinator " + address_);
   v1::Worker& old = *service_.workers.add_workers();
+  old.set_draining(true);
+  EXPECT_THAT(lack_of_workers(*farm_, plain), HasSubstr("all connected workers are drained or stopping"));
+  old.set_draining(false);
   EXPECT_EQ(lack_of_workers(*farm_, plain), "");
   EXPECT_EQ(lack_of_workers(*farm_, layered),
             "no connected worker renders layers; the job waits for one: update the workers");

@@ -22,18 +22,26 @@ TEST(LabelOption, CanBeRepeated) {
   EXPECT_EQ(parse_labels({}), Labels{});
   EXPECT_EQ(parse_labels({"--label", "shot=12", "--label=show=a vase", "--label", "empty="}),
             (Labels{{"shot", "12"}, {"show", "a vase"}, {"empty", ""}}));
-  EXPECT_EQ(parse_labels({"--label", "a=1", "--label", "a=b=c"}), (Labels{{"a", "b=c"}}));
+  EXPECT_EQ(parse_labels({"--label", "a=b=c"}), (Labels{{"a", "b=c"}}));
+}
+
+std::string mistake_in(const std::vector<std::string>& arguments) {
+  try {
+    parse_labels(arguments);
+  } catch (const CLI::ParseError& error) {
+    return error.what();
+  }
+  return "";
 }
 
 TEST(LabelOption, NeedsAKey) {
-  for (const char* text : {"shot", "=12", ""}) {
-    try {
-      parse_labels({"--label=" + std::string(text)});
-      ADD_FAILURE() << text;
-    } catch (const CLI::ParseError& error) {
-      EXPECT_NE(std::string(error.what()).find("--label"), std::string::npos) << error.what();
-    }
-  }
+  for (const char* text : {"shot", "=12", ""})
+    EXPECT_NE(mistake_in({"--label=" + std::string(text)}).find("--label"), std::string::npos) << text;
+}
+
+TEST(LabelOption, HasOneValue) {
+  EXPECT_NE(mistake_in({"--label", "a=1", "--label", "b=1", "--label", "a=2"}).find("'a' is given twice"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ TEST_F(Layers, WaitForAWorkerThatRendersThem) {
   Synchronize leaves = call_of("old", true);
   leaves.draining = true;
   handle(leaves);
-  EXPECT_EQ(job("job").waiting, Waiting::kNoWorker);
+  EXPECT_EQ(job("job").waiting, Waiting::kDraining);
 }
 
 TEST_F(Images, WaitForAWorkerThatNamesThem) {

@@ -108,7 +108,8 @@ TEST_F(CoordinatorMetrics, CountJobsWhereverTheyAre) {
   start({});
   const std::string cancelled = submit_now();
   submit_now();
-  ASSERT_TRUE(coordinator_->jobs().submit(server::submission()));
+  const auto validating = coordinator_->jobs().submit(server::submission());
+  ASSERT_TRUE(validating);
   EXPECT_EQ(value("tessera_jobs", {{"state", "validating"}}), 1);
   ASSERT_TRUE(coordinator_->jobs().cancel(cancelled));
   ASSERT_TRUE(coordinator_->checkpointer().checkpoint());
@@ -116,6 +117,8 @@ TEST_F(CoordinatorMetrics, CountJobsWhereverTheyAre) {
   EXPECT_EQ(value("tessera_jobs", {{"state", "cancelled"}}), 0) << "it is in the store alone";
   EXPECT_EQ(value("tessera_jobs_ended_total", {{"state", "cancelled"}}), 1);
   EXPECT_EQ(value("tessera_jobs", {{"state", "running"}}), 1);
+  ASSERT_TRUE(coordinator_->jobs().cancel(validating->id()));
+  EXPECT_EQ(value("tessera_jobs_ended_total", {{"state", "cancelled"}}), 2);
 }
 
 TEST_F(CoordinatorMetrics, CountRejectedResultsByTheirReason) {

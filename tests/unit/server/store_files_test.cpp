@@ -23,6 +23,8 @@ TEST_F(StoreFiles, AFileThatIsRemovedIsMissed) {
   EXPECT_TRUE(store().expect_file());
   std::filesystem::remove(file_);
   EXPECT_EQ(store().expect_file().error().code, ErrorCode::kDataLoss);
+  EXPECT_EQ(store().insert_job(job_row("a")).error().code, ErrorCode::kDataLoss)
+      << "a job that is acknowledged has to survive a restart";
 }
 
 TEST_F(StoreFiles, ATooLongPathIsReported) {
