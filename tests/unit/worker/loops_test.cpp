@@ -5,6 +5,10 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <new>
+#include <string>
+#include <system_error>
 #include <thread>
 
 #include "confined.hpp"
@@ -233,7 +237,8 @@ TEST_F(SceneFilesTest, AreGivenBackByAWorkerThatStops) {
   EXPECT_EQ(refusal({{"scene.json", folder_ + "/scene"}}), "");
 }
 
-TEST_F(LoopsTest, AJobThatTakesTooMuchMemoryIsDeclinedAndTheWorkerGoesOn) {
+// A worker whose first render fails, and the reason with which it declines the job; it goes on.
+void expect_to_decline(const LoadScene& load, const std::function<void()>& fail, const std::string& reason) {
   LeaseTracker lease_tracker({.delays = {.first = 0s, .longest = 0s}});
   v1::SynchronizeResponse response;
   give_lease({}, response);
@@ -246,17 +251,17 @@ TEST_F(LoopsTest, AJobThatTakesTooMuchMemoryIsDeclinedAndTheWorkerGoesOn) {
   lease_tracker.fetched(job);
   int renders = 0;
   Metrics metrics;
-  RenderLoop render(1, lease_tracker, metrics, confined(), {},
+  RenderLoop render(1, lease_tracker, metrics, load, {},
                     [&](const auto&, auto rect, auto range, int) -> core::FilmTile {
                       EXPECT_LE(metrics.step_began.load(), Metrics::Clock::now());
-                      if (++renders == 1) throw std::bad_alloc();
+                      if (++renders == 1) fail();
                       return core::FilmTile(rect, range);
                     });
   std::jthread thread([&](const std::stop_token& stop) { render.run(stop); });
   const auto declined = lease_tracker.next_delivery({});
   EXPECT_TRUE(declined->lease_finished);
   EXPECT_TRUE(declined->tiles.empty());
-  EXPECT_EQ(declined->decline_reason, "not enough memory to build and render the scene");
+  EXPECT_EQ(declined->decline_reason, reason);
   v1::SynchronizeRequest report;
   lease_tracker.report(report);
   EXPECT_FALSE(report.has_rendering());
@@ -271,6 +276,18 @@ TEST_F(LoopsTest, AJobThatTakesTooMuchMemoryIsDeclinedAndTheWorkerGoesOn) {
   thread.request_stop();
   thread.join();
   EXPECT_EQ(metrics.step_began.load(), Metrics::Clock::time_point::max()) << "it waits for work";
+}
+
+TEST_F(LoopsTest, AJobThatTakesTooMuchMemoryIsDeclinedAndTheWorkerGoesOn) {
+  expect_to_decline(
+      confined(), [] { throw std::bad_alloc(); }, "not enough memory to build and render the scene");
+}
+
+TEST_F(LoopsTest, AJobForWhichNoThreadStartsIsDeclinedAndTheWorkerGoesOn) {
+  const std::error_code none = std::make_error_code(std::errc::resource_unavailable_try_again);
+  expect_to_decline(
+      confined(), [none] { throw std::system_error(none); },
+      "cannot build and render the scene: Resource temporarily unavailable");
 }
 
 TEST_F(LoopsTest, AFileWithManyNamesIsFetchedOnce) {
