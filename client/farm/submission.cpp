@@ -96,8 +96,7 @@ std::string lack_of_workers(Farm& farm, const core::RenderSettings& settings) {
                        farm.address());
   if (page->next_page_token().empty() && std::ranges::none_of(page->workers(), takes_work))
     return "all connected workers are drained or stopping; the job waits for another one: tessera drain "
-           "--undo, "
-           "or start a worker";
+           "--undo, or start one";
   const auto suffices = [&](const v1::Worker& worker) {
     return takes_work(worker) && (worker.renders_layers() || settings.layers.empty());
   };
