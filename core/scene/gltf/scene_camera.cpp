@@ -37,6 +37,20 @@ void set_image_size(float aspect_ratio, RenderSettings& settings) {
   settings.width_px = static_cast<int>(std::lround(ratio * static_cast<float>(settings.height_px)));
 }
 
+void tell_stretching(const Document& document, const Node& node) {
+  const Transform& t = node.to_world.front();
+  const Vec3 scales = t.scales();
+  constexpr float kVisible = 1e-3f;
+  const float largest = std::max({scales.x, scales.y, scales.z}),
+              smallest = std::min({scales.x, scales.y, scales.z});
+  const auto lean = [](Vec3 a, Vec3 b) { return std::fabs(dot(a, b)) / (length(a) * length(b)); };
+  const bool leans = lean(t.x_axis, t.y_axis) > kVisible || lean(t.y_axis, t.z_axis) > kVisible ||
+                     lean(t.z_axis, t.x_axis) > kVisible;
+  if (leans || largest - smallest > kVisible * largest)
+    document.warn(node.value, "stretched camera",
+                  "its camera is turned, moved and mirrored, but not stretched or sheared with the node");
+}
+
 void tell_unused_cameras(const Document& document, const std::vector<Node>& nodes) {
   std::set<std::uint64_t> used;
   for (const Node& node : nodes)
@@ -77,6 +91,7 @@ void set_camera(const Document& document, const Selection& selection, const std:
     PlacedCamera placed = read_camera(camera, node.to_world.front());
     placed.description.shutter_close = selection.shutter_seconds;
     document.builder().set_camera(placed.description);
+    tell_stretching(document, node);
     if (node.moves()) animate(node, selection.moments(), document);
     if (placed.aspect_ratio > 0) set_image_size(placed.aspect_ratio, scene.settings);
   });

@@ -50,6 +50,11 @@ TEST(GltfCameras, MayBeMirrored) {
   ASSERT_TRUE(turned) << turned.error().message;
   EXPECT_FALSE(turned->camera.mirrored);
   EXPECT_EQ(turned->camera.up, (Vec3{0, -1, 0}));
+  EXPECT_THAT(warnings_of(*turned), testing::Not(HasSubstr("stretched")));
+  file.json["nodes"].back()["scale"] = {2, 1, 1};
+  const auto stretched = load_gltf(file.text());
+  ASSERT_TRUE(stretched) << stretched.error().message;
+  EXPECT_THAT(warnings_of(*stretched), HasSubstr("but not stretched or sheared with the node"));
 }
 
 TEST(GltfCameras, AreReportedIfNoNodeUsesThem) {
