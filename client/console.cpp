@@ -58,6 +58,13 @@ void warn_about_ignored_media(std::string_view scene_path) {
       fmt::format("'{}' has participating media, which the integrator whitted ignores", scene_path));
 }
 
+void warn_about_still_frames(std::string_view scene_path) {
+  print_warning(
+      fmt::format("nothing in '{}' is animated: all frames are the same image (the animations of a glTF file "
+                  "are rendered at one time: --animation-time)",
+                  scene_path));
+}
+
 void print_hint(std::string_view command) {
   write(stderr, fmt::format("Try: {}\n", core::printable(command)));
 }

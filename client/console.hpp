@@ -46,6 +46,9 @@ void warn_about_darkness(std::string_view scene_path);
 // Warns that the integrator ignores the participating media of the scene at `path`.
 void warn_about_ignored_media(std::string_view scene_path);
 
+// Warns that several frames were asked for of a scene without animation.
+void warn_about_still_frames(std::string_view scene_path);
+
 // Prints "Try: COMMAND".
 void print_hint(std::string_view command);
 

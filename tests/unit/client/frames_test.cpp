@@ -94,6 +94,7 @@ TEST_F(RenderedFrames, OfOneProcessAreThoseOfOneProcessEach) {
   const ProcessResult all =
       render({"--frames", "1-5x2,4", "-o", path("all.###.exr"), "-o", path("all.###.png")});
   ASSERT_EQ(all.exit_status, 0) << all.err;
+  EXPECT_THAT(all.err, testing::Not(HasSubstr("is animated")));
   for (const char* frame : {"1", "3", "5", "4"}) {
     ASSERT_EQ(render({"--frames", frame, "-o", path("one.exr")}).exit_status, 0);
     EXPECT_TRUE(bytes(std::string("all.00") + frame + ".exr") == bytes("one.exr")) << frame;
@@ -121,6 +122,13 @@ TEST_F(RenderedFrames, CanHaveParametersReplaced) {
   const ProcessResult wrong = render({"-o", path("wrong.exr"), "-D", "camera.positon=3"});
   EXPECT_EQ(wrong.exit_status, 1);
   EXPECT_THAT(wrong.err, HasSubstr("camera: unknown key 'positon'; did you mean 'position'?"));
+}
+
+TEST_F(RenderedFrames, OfAStillSceneAreTheSameWithAWarning) {
+  const ProcessResult still = render({"--frames", "1-2", "-o", path("still.#.exr"), "-D",
+                                      "shapes[0].transform=[]", "-D", "camera.position=[1, 0, 5]"});
+  ASSERT_EQ(still.exit_status, 0) << still.err;
+  EXPECT_THAT(still.err, HasSubstr("is animated: all frames are the same image"));
 }
 
 TEST_F(RenderedFrames, AreCheckedBeforeTheFirstIsRendered) {
