@@ -60,8 +60,8 @@ void warn_about_ignored_media(std::string_view scene_path) {
 
 void warn_about_still_frames(std::string_view scene_path) {
   print_warning(
-      fmt::format("nothing in '{}' is animated: all frames are the same image (the animations of a glTF file "
-                  "are rendered at one time: --animation-time)",
+      fmt::format("nothing in '{}' changes from frame to frame: all are the same image (the animations of a "
+                  "glTF file are rendered at one time: --animation-time)",
                   scene_path));
 }
 

@@ -46,7 +46,7 @@ void warn_about_darkness(std::string_view scene_path);
 // Warns that the integrator ignores the participating media of the scene at `path`.
 void warn_about_ignored_media(std::string_view scene_path);
 
-// Warns that several frames were asked for of a scene without animation.
+// Warns that several frames were asked for of a scene that has no keyframes.
 void warn_about_still_frames(std::string_view scene_path);
 
 // Prints "Try: COMMAND".

@@ -143,7 +143,7 @@ Result<LoadedScene> load(const RenderOptions& options) {
   if (!fits) return core::fail(fits.error());
   if (Status possible = core::validate_frames(description, options.frames.frames); !possible)
     return core::fail(possible.error().within(options.scene.scene_path));
-  if (options.frames.frames.size() > 1 && !core::is_animated(description.animation))
+  if (options.frames.frames.size() > 1 && !core::frames_differ(description))
     warn_about_still_frames(options.scene.scene_path);
   const core::SceneDigest digest = options.sample ? core::SceneDigest{} : core::digest_of(description);
   if (Status same = check_scene(options, description, digest); !same) return core::fail(same.error());

@@ -42,9 +42,6 @@ namespace {
 
 using namespace tessera;
 
-// About as many as it has, without any connection.
-constexpr int kThreads = 40;
-
 // Blocks the signals of the operator in this thread and those it starts; sigwait() receives them.
 sigset_t block_signals() {
   sigset_t signals;
@@ -177,7 +174,8 @@ void wait_for_stop(const server::Options& options, rpc::Server& server, http_api
 }
 
 core::Status run(const server::Options& options, std::vector<base::Fd> sockets, const sigset_t& signals) {
-  if (const auto enough = common::check_start_limits("a coordinator", kThreads); !enough) return enough;
+  if (const auto enough = common::check_start_limits("a coordinator", common::kCoordinatorThreads); !enough)
+    return enough;
   const server::ValidatorOptions validator{
       .program = options.validator, .limits = options.limits, .require_sandbox = options.require_sandbox};
   const auto warn = [](const std::string& line) { spdlog::warn("{}", line); };

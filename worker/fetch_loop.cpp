@@ -70,7 +70,7 @@ core::Result<std::shared_ptr<const Job>> FetchLoop::fetch_or_run_out(const v1::J
     return fetch(spec, stop);
   } catch (const std::bad_alloc&) {
     return core::fail(core::ErrorCode::kResourceExhausted, "the scene's files: not enough memory");
-  } catch (const std::system_error& error) {  // no thread can be started
+  } catch (const std::system_error& error) {  // a thread cannot be started, or a file used
     return core::fail(core::ErrorCode::kResourceExhausted,
                       fmt::format("the scene's files: {}", error.what()));
   }

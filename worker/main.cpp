@@ -42,9 +42,6 @@ worker::SyncLoop::Explain explaining(const worker::Options& options) {
 // own.
 constexpr std::chrono::hours kLongestStep{1};
 
-// Beside those that render, about as many as it has.
-constexpr int kServiceThreads = 16;
-
 // Null if there is no address. The others must outlive it.
 core::Result<std::unique_ptr<common::MetricsServer>> serve_metrics(const worker::Options& options,
                                                                    const worker::Worker& worker,
@@ -85,7 +82,8 @@ void reload(proto::ClientCredentials& credentials, const proto::ClientSecurity& 
 
 int run(const worker::Options& options, char** arguments) {
   if (const auto enough =
-          common::check_start_limits("a worker", static_cast<int>(options.threads) + kServiceThreads);
+          common::check_start_limits(fmt::format("a worker with --threads {}", options.threads),
+                                     common::kWorkerThreads + static_cast<int>(options.threads));
       !enough) {
     spdlog::error("{}", enough.error().message);
     return 1;

@@ -15,6 +15,7 @@
 #include "core/base/version.hpp"
 #include "core/common/log.hpp"
 #include "core/common/open_files.hpp"
+#include "core/common/start_limits.hpp"
 #include "core/integrators/fingerprint.hpp"
 #include "proto/channel.hpp"
 #include "proto/client_credentials.hpp"
@@ -113,6 +114,11 @@ DemoFarm::~DemoFarm() = default;
 core::Result<std::unique_ptr<DemoFarm>> DemoFarm::start(const std::filesystem::path& folder,
                                                         const std::string& http) {
   prepare_process();
+  if (auto enough =
+          common::check_start_limits("the demo", common::kCoordinatorThreads + common::kWorkerThreads +
+                                                     static_cast<int>(core::available_threads()));
+      !enough)
+    return core::fail(enough.error());
   const server::ValidatorOptions validator{.program = validator::default_validator_path()};
   if (const auto usable = server::check_validator(validator, print_note); !usable)
     return core::fail(usable.error());

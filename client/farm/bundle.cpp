@@ -76,7 +76,7 @@ core::Result<LocalBundle> bundle_scene(const std::string& scene_path, const Scen
     return fail(possible.error().within(scene_path));
   local.settings = *settings;
   local.gives_light = core::gives_light(*scene);
-  local.is_animated = core::is_animated(scene->animation);
+  local.frames_differ = core::frames_differ(*scene);
   local.ignores_media = settings->integrator == core::Integrator::kWhitted && core::uses_media(*scene);
   local.warnings = scene->warnings;
   local.bundle = to_bundle(core::printable(file_name), digests);

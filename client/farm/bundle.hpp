@@ -23,7 +23,7 @@ struct LocalBundle {
   std::map<std::string, std::string> paths;  // local paths by name in the bundle
   core::RenderSettings settings;             // the scene's, with the overrides
   bool gives_light = true;
-  bool is_animated = false;
+  bool frames_differ = false;         // the scene has keyframes
   bool ignores_media = false;         // the integrator renders it as if it had no media
   std::vector<std::string> warnings;  // about the scene's files
   // The scene file of the bundle, if parameters were replaced in it.

@@ -101,7 +101,7 @@ std::string lack_of_workers(Farm& farm, const core::RenderSettings& settings) {
     return takes_work(worker) && (worker.renders_layers() || settings.layers.empty());
   };
   if (!page->next_page_token().empty() || std::ranges::any_of(page->workers(), suffices)) return "";
-  return "no connected worker renders layers; the job waits for one: update the workers";
+  return "no connected worker that takes work renders layers; the job waits for one: update the workers";
 }
 
 }  // namespace tessera::client

@@ -128,7 +128,7 @@ int run_submit(const SubmitOptions& options) {
   print_warnings(local->warnings);
   warn_about_idle_layers(paths, local->settings.layers);
   if (!local->gives_light) warn_about_darkness(options.scene.scene_path);
-  if (frames.size() > 1 && !local->is_animated) warn_about_still_frames(options.scene.scene_path);
+  if (frames.size() > 1 && !local->frames_differ) warn_about_still_frames(options.scene.scene_path);
   if (local->ignores_media) warn_about_ignored_media(options.scene.scene_path);
 
   FarmOptions farm_options = options.farm;

@@ -9,6 +9,9 @@
 
 namespace tessera::common {
 
+// About as many threads as they have, without any connection and without those that render.
+inline constexpr int kCoordinatorThreads = 40, kWorkerThreads = 16;
+
 // Whether the process may use a gibibyte of addresses, and starts and ends `threads` threads. Returns
 // kResourceExhausted with the limit to raise; `what` is "a worker".
 core::Status check_start_limits(std::string_view what, int threads);

@@ -129,6 +129,10 @@ Status PoseMaker::check(const Pose& pose) const {
   return {};
 }
 
+bool frames_differ(const SceneDescription& scene) {
+  return is_animated(scene.animation) && scene.contents.animations.empty();
+}
+
 Status validate_frames(const SceneDescription& scene, std::span<const std::int32_t> frames) {
   if (!is_animated(scene.animation)) return {};
   const PoseMaker maker(scene);

@@ -72,4 +72,8 @@ class PoseMaker {
 // Whether a valid scene can be rendered at all of these frames, with the errors of PoseMaker::at().
 Status validate_frames(const SceneDescription& scene, std::span<const std::int32_t> frames);
 
+// Whether frames may differ: the scene has keyframes. Those of a glTF file describe one opening of the
+// shutter.
+bool frames_differ(const SceneDescription& scene);
+
 }  // namespace tessera::core

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "core/math/elementary.hpp"
 #include "core/math/lane_array.hpp"
@@ -238,6 +239,25 @@ Rgb estimated_mean(const Texture& texture, const std::vector<Texture>& all) {
   return {std::max(sum.r, least), std::max(sum.g, least), std::max(sum.b, least)};
 }
 
+// The mean of a step over an image, by its texels; nullopt for other textures.
+std::optional<Rgb> mean_of_step(const ProceduralTexture& procedural, const std::vector<Texture>& all) {
+  const auto* step = std::get_if<StepPattern>(&procedural.pattern);
+  if (step == nullptr || step->base.texture < 0) return std::nullopt;
+  const TextureImage* image = all[static_cast<std::size_t>(step->base.texture)].image.get();
+  if (image == nullptr) return std::nullopt;
+  std::array<std::size_t, 3> above{};
+  for (int y = 0; y < image->height(); ++y)
+    for (int x = 0; x < image->width(); ++x) {
+      const Rgb value = step->base.value * image->texel(x, y);
+      above[0] += value.r >= step->threshold ? 1 : 0;
+      above[1] += value.g >= step->threshold ? 1 : 0;
+      above[2] += value.b >= step->threshold ? 1 : 0;
+    }
+  const float all_texels = static_cast<float>(image->width()) * static_cast<float>(image->height());
+  const auto share = [&](std::size_t count) { return static_cast<float>(count) / all_texels; };
+  return Rgb{share(above[0]), share(above[1]), share(above[2])};
+}
+
 }  // namespace
 
 Rgb Texture::evaluate_procedural(const std::vector<Texture>& all, const TexturePoint& at) const {
@@ -254,7 +274,9 @@ Rgb Texture::evaluate_unclamped(const std::vector<Texture>& all, const TexturePo
 }
 
 Rgb Texture::mean(const std::vector<Texture>& all) const {
-  return procedural ? estimated_mean(*this, all) : image->mean();
+  if (!procedural) return image->mean();
+  const auto exact = mean_of_step(*procedural, all);
+  return exact ? *exact : estimated_mean(*this, all);
 }
 
 }  // namespace tessera::core

@@ -17,8 +17,8 @@ namespace tessera::scheduler {
 enum class Waiting {
   kNo,
   kPaused,
-  kNoWorker,        // no worker is there
-  kDraining,        // all workers are drained, and take no leases
+  kNoWorker,        // no worker is connected
+  kDraining,        // all connected workers drain
   kNoImages,        // no such worker knows jobs of several images
   kNoLayers,        // no such worker renders layers
   kHigherPriority,  // jobs of higher priority have work

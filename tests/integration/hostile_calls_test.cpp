@@ -242,6 +242,20 @@ TEST_F(HostileCallsTest, SecretsAndStateAreForTheOwnerAlone) {
   }
 }
 
+// 1,040 stacks of 8 MiB.
+TEST_F(HostileCallsTest, TooManyThreadsAreReportedAtTheStart) {
+  ProcessOptions options;
+  options.arguments = {"/bin/sh", "-c",
+                       "ulimit -s 8192; ulimit -v 1500000; exec " TESSERA_WORKER
+                       " --coordinator 127.0.0.1:1 --threads 1024 --cache " +
+                           (folder_ / "cache").string()};
+  options.out = folder_ / "out";
+  options.err = folder_ / "err";
+  Process process(options);
+  EXPECT_EQ(process.wait(20s), 1);
+  EXPECT_THAT(process.err(), HasSubstr("a worker with --threads 1024 needs 1040 threads"));
+}
+
 TEST_F(HostileCallsTest, ATooSmallAddressSpaceIsReportedAtTheStart) {
   const std::string coordinator =
       TESSERA_COORDINATOR_PROGRAM " --listen 127.0.0.1:0 --state " + (folder_ / "state").string();

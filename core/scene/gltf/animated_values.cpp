@@ -7,6 +7,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -95,31 +96,30 @@ std::size_t components_of(const Document& document, const Value& sampler) {
   return static_cast<std::size_t>(type - kTypes.begin()) + 1;
 }
 
-// All channels together; more is a damaged or hostile file.
+// The channels of all animations together; more is a damaged or hostile file.
 constexpr std::size_t kMaxNumbers = std::size_t{1} << 20;
 
 class PointerAnimation {
  public:
-  PointerAnimation(Document& document, const Value& animation, float seconds)
-      : document_(document), animation_(animation), seconds_(seconds) {}
+  PointerAnimation(Document& document, float seconds) : document_(document), seconds_(seconds) {}
 
-  void apply() {
-    const Value channels = animation_["channels"];
+  void apply(const Value& animation) {
+    const Value channels = animation["channels"];
     for (std::size_t i = 0; i < channels.size(); ++i)
       if (!pointer_of(channels.at(i)["target"]).empty())
         document_.try_to(channels.at(i), "animation pointer", "it is ignored",
-                         [&] { apply(channels.at(i)); });
+                         [&] { apply(animation, channels.at(i)); });
   }
 
  private:
-  void apply(const Value& channel) {
+  void apply(const Value& animation, const Value& channel) {
     const Value target = channel["target"];
     const std::string pointer = pointer_of(target);
     const std::vector<std::string> tokens = tokens_of(pointer);
     if (!may_change(tokens))
       target.refuse(fmt::format("an animation of {} is not supported", in_quotes(pointer)));
     const auto values =
-        values_at(Document::element(animation_["samplers"], channel["sampler"]), tokens.back() == "rotation");
+        values_at(Document::element(animation["samplers"], channel["sampler"]), tokens.back() == "rotation");
     JsonValue* json = target_of(document_.json(), tokens);
     if (json == nullptr) target.refuse(fmt::format("there is no {}", in_quotes(pointer)));
     json->content = json_of(values, *json, tokens.back(), target.line()).content;
@@ -139,7 +139,6 @@ class PointerAnimation {
   }
 
   Document& document_;
-  Value animation_;
   float seconds_;
   Buffers buffers_{document_};
   Accessors accessors_{document_, buffers_};
@@ -161,8 +160,12 @@ std::string pointer_of(const Value& target) {
 
 void apply_pointers(Document& document) {
   const Selection selection(document);
-  for (const Value& animation : selection.animations)
-    if (has_pointers(animation)) PointerAnimation(document, animation, selection.seconds.value_or(0)).apply();
+  std::optional<PointerAnimation> pointers;  // which reads buffers
+  for (const Value& animation : selection.animations) {
+    if (!has_pointers(animation)) continue;
+    if (!pointers) pointers.emplace(document, selection.seconds.value_or(0));
+    pointers->apply(animation);
+  }
 }
 
 }  // namespace tessera::core::gltf

@@ -219,18 +219,19 @@ void Materials::add_specular(const Value& extension, Principled& model) {
 Rgb Materials::specular_color(const Value& extension, Principled& model) {
   const Rgb color = extension.color_or("specularColorFactor", Rgb::gray(1));
   const float strongest = max_component(color);
-  if (strongest == 1 || !is_finite(color)) return clamped(extension, color);
-  if (model.transmission_weight.value > 0 && !model.geometry_thin_walled) {
-    if (strongest > 1)
-      document_.warn(extension, "strong specular",
-                     "a colour above 1 would change the refraction of what transmits; it is clamped");
+  if (!is_finite(color) || std::min({color.r, color.g, color.b}) < 0) return clamped(extension, color);
+  if (strongest == 1) return color;
+  const bool transmits = model.transmission_weight.value > 0;
+  if (transmits && strongest < 1) return color;
+  if (transmits && !model.geometry_thin_walled) {
+    document_.warn(extension, "strong specular",
+                   "a colour above 1 would change the refraction of what transmits; it is clamped");
     return clamped(extension, color);
   }
-  const float normal = normal_reflectance(model.specular_ior.value);
-  const float wanted = normal * std::max(strongest, 0.0f);
+  const float normal = normal_reflectance(model.specular_ior.value), wanted = normal * strongest;
   model.specular_ior = index_of_reflectance(std::min(wanted, 1.0f), kMaxIor);
-  if (!(wanted > 0)) return Rgb::gray(1);
   const float reached = normal_reflectance(model.specular_ior.value);
+  if (!(reached > 0)) return Rgb::gray(1);
   constexpr float kVisible = 0.01f;
   if (std::min(wanted, 1.0f) > reached + kVisible)
     document_.warn(extension, "strong specular",

@@ -109,7 +109,7 @@ bool Converter::refracts() const {
   return has_illum({6, 7});
 }
 
-// It writes illum 3 for metal, and a gray Ks.
+// Blender writes illum 3 for metal, and a gray Ks for plastic.
 bool Converter::is_plastic_of_blender() const {
   return has_illum({2}) && m_.ambient == Rgb::gray(1) && is_grey(specular());
 }

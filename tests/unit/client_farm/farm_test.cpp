@@ -217,7 +217,7 @@ TEST_F(FarmCalls, OfJobsWithLayersTellThatNoWorkerRendersThem) {
   old.set_draining(false);
   EXPECT_EQ(lack_of_workers(*farm_, plain), "");
   EXPECT_EQ(lack_of_workers(*farm_, layered),
-            "no connected worker renders layers; the job waits for one: update the workers");
+            "no connected worker that takes work renders layers; the job waits for one: update the workers");
   old.set_renders_layers(true);
   EXPECT_EQ(lack_of_workers(*farm_, layered), "");
 }

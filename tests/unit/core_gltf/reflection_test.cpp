@@ -114,7 +114,11 @@ TEST(GltfReflection, SpecularColorsBelowOneLowerTheIndex) {
   EXPECT_NEAR(half.specular_color.value.r, 1, 1e-5f);
   EXPECT_NEAR(half.specular_color.value.g, 0.5f, 1e-5f);
   EXPECT_EQ(half.specular_color.value.b, 0);
-  EXPECT_EQ(model_of_color({0, 0, 0}).specular_ior.value, 1);
+  for (const float faint : {0.0f, 1e-15f, 1e-30f}) {
+    const Principled none = model_of_color({faint, 0, 0});
+    EXPECT_EQ(none.specular_ior.value, 1);
+    EXPECT_EQ(none.specular_color.value, Rgb::gray(1));
+  }
 }
 
 TEST(GltfReflection, HasPlainShadingNormals) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/scene/loader/parameter_override.hpp"
+#include "core/scene/pose.hpp"
 #include "core/scene/scene.hpp"
 #include "tests/unit/core_gltf/gltf_file.hpp"
 
@@ -219,6 +220,14 @@ TEST(GltfAnimation, CanBePlayedWithAllOthers) {
 
 Overrides open_for(double seconds, double shutter) {
   return {select_time(seconds), select_shutter(shutter)};
+}
+
+TEST(GltfAnimation, IsNoneOfFrames) {
+  const GltfFile file = animated("translation", "LINEAR", "VEC3", {0, 1}, {0, 0, 0, 4, 0, 8});
+  const auto blurred = load_chosen(file.text(), open_for(0, 0.5));
+  ASSERT_TRUE(blurred) << blurred.error().message;
+  EXPECT_TRUE(is_animated(blurred->animation));
+  EXPECT_FALSE(frames_differ(*blurred));
 }
 
 // A quarter of a turn about +z in a second.

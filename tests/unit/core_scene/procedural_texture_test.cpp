@@ -156,6 +156,7 @@ TEST(Patterns, StepsCompareWhatIsInterpolated) {
   EXPECT_EQ(at(0.49f), Rgb());
   EXPECT_EQ(at(0.51f), (Rgb{1, 0, 1}));
   EXPECT_EQ(at(0.75f), Rgb::gray(1));
+  EXPECT_EQ(all[1].mean(all), Rgb::gray(0.5f));
 }
 
 TEST(Patterns, FacingIsTheCosineToTheAxis) {
