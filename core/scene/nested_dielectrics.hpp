@@ -15,9 +15,6 @@
 
 namespace tessera::core {
 
-// The largest number of materials with a priority in a scene.
-inline constexpr std::size_t kMaxNestedDielectrics = 64;
-
 // The materials with a priority that enclose a point, by rank; one can do so several times. It does not
 // depend on the order of the surfaces crossed.
 class Enclosing {
@@ -67,11 +64,5 @@ class NestedDielectrics {
   // By rank: the first of its boundaries among the materials. That in the next rank follows, and so on.
   std::vector<std::uint32_t> boundaries_;
 };
-
-// The priority of a solid dielectric; 0 if it has none.
-float priority_of(const MaterialModel& model);
-
-// What is wrong with the priorities of materials that are valid apart from that; nothing if they are.
-std::optional<std::string> find_priority_mistake(const std::vector<Material>& materials);
 
 }  // namespace tessera::core

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "core/geometry/placement.hpp"
-#include "core/scene/nested_dielectrics.hpp"
+#include "core/scene/priorities.hpp"
 #include "core/scene/tables/check.hpp"
 #include "core/scene/tables/material_tables.hpp"
 #include "core/scene/tables/medium_tables.hpp"

@@ -33,7 +33,7 @@ class Writer {
     if constexpr (Plain<T>) {
       append(std::as_bytes(std::span(&value, 1)));
     } else {
-      std::apply([&](const auto&... each) { ((*this)(each), ...); }, fields(value));
+      visit_fields(value, *this);
     }
   }
   void operator()(const std::string& text) { array(text); }
@@ -124,7 +124,7 @@ class Reader {
     } else if constexpr (Plain<T>) {
       take(std::as_writable_bytes(std::span(&value, 1)));
     } else {
-      std::apply([&](auto&... each) { ((*this)(each), ...); }, fields(value));
+      visit_fields(value, *this);
     }
   }
   void operator()(bool& value) {

@@ -24,21 +24,6 @@ namespace tessera::core::stored {
 template <typename T, typename U>
 concept Is = std::same_as<std::remove_const_t<T>, U>;
 
-// The members of a type with a table of keys, in the order of that. A test looks for members without entry.
-template <typename Owner>
-auto member_of(Owner& owner, const auto& entry) {
-  if constexpr (MemberOf<std::remove_cvref_t<decltype(entry)>, Owner>) {
-    return std::tie(entry.of(owner));
-  } else {
-    return std::tuple();
-  }
-}
-template <HasTable Owner>
-auto fields(Owner& owner) {
-  return std::apply([&](const auto&... entry) { return std::tuple_cat(member_of(owner, entry)...); },
-                    kKeys<std::remove_const_t<Owner>>);
-}
-
 auto fields(Is<PixelFilter> auto& value) {
   auto& [kind, radius_px] = value;
   return std::tie(kind, radius_px);
@@ -188,6 +173,18 @@ auto fields(Is<SceneDescription> auto& value) {
 auto fields(Is<accel::Bvh::Arrays> auto& value) {
   auto& [nodes, packets, objects] = value;
   return std::tie(nodes, packets, objects);
+}
+
+// The members of a type with a table of keys, in the order of that. A test looks for members without entry.
+template <HasTable Owner>
+void visit_fields(Owner& owner, auto& visit) {
+  for_each(kKeys<std::remove_const_t<Owner>>, [&]<typename Entry>(const Entry& entry) {
+    if constexpr (MemberOf<Entry, Owner>) visit(entry.of(owner));
+  });
+}
+// Those of all others.
+void visit_fields(auto& value, auto& visit) {
+  std::apply([&](auto&... field) { (visit(field), ...); }, fields(value));
 }
 
 // Whether a stored number is one of the enumeration's values.

@@ -36,7 +36,7 @@ std::vector<KeyRule> rules_of(const Tables&... tables) {
 }
 
 // Of objects whose type decides their keys.
-inline constexpr std::tuple kTypeKey{OtherKey{"type", domains::kTruth, "", {.required = true}}};
+inline constexpr Table kTypeKey{OtherKey{"type", domains::kTruth, "", {.required = true}}};
 
 // The alternative of this index, with its defaults.
 template <typename Variant>
@@ -115,7 +115,7 @@ class TableReader {
 
   // Sets the members of `owner` whose keys are given, and adds their keyframes to `tracks`.
   template <typename Owner, typename Tracks, typename... Entries>
-  void read(const std::tuple<Entries...>& table, Owner& owner, Tracks& tracks) const {
+  void read(const Table<Entries...>& table, Owner& owner, Tracks& tracks) const {
     visit_members(table, owner, [&](const auto& key, auto& value) {
       if (const auto field = find(key.name)) read_member(*field, key, value, tracks);
     });

@@ -113,7 +113,7 @@ class SchemaWriter {
   template <typename Owner, typename Entry>
   Json property(const Entry& entry);
   template <typename Owner, typename... Entries>
-  void add_keys(const std::tuple<Entries...>& table, Keys& keys);
+  void add_keys(const Table<Entries...>& table, Keys& keys);
   template <typename Owner>
   void set_object(const std::string& pointer, Keys keys = {});
   void define_common_keys();
@@ -194,7 +194,7 @@ Json SchemaWriter::property(const Entry& entry) {
 }
 
 template <typename Owner, typename... Entries>
-void SchemaWriter::add_keys(const std::tuple<Entries...>& table, Keys& keys) {
+void SchemaWriter::add_keys(const Table<Entries...>& table, Keys& keys) {
   for_each(table, [&]<typename Entry>(const Entry& entry) {
     if constexpr (Named<Entry>) {
       const std::string name(entry.name);

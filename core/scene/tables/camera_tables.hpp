@@ -33,7 +33,7 @@ inline constexpr Domain kShutter{
 }  // namespace domains
 
 template <>
-inline constexpr auto kKeys<CameraDescription> = std::tuple{
+inline constexpr auto kKeys<CameraDescription> = Table{
     Key{"type", &CameraDescription::type, domains::kCameraType,
         "a thin lens; parallel rays; or all directions, as an equirectangular image with `look_at` in its "
         "centre"},

@@ -42,7 +42,7 @@ std::string why_refused(const ScalarParameter& value, const Domain& domain, cons
 // The first mistake among the members of `owner` that the table names. A number that is the default is
 // accepted where that stands for something else.
 template <typename Owner, typename... Entries>
-std::optional<KeyMistake> find_mistake(const std::tuple<Entries...>& table, const Owner& owner,
+std::optional<KeyMistake> find_mistake(const Table<Entries...>& table, const Owner& owner,
                                        const NameCounts& counts) {
   std::optional<KeyMistake> mistake;
   visit_members(table, owner, [&]<typename KeyType, typename Value>(const KeyType& key, const Value& value) {

@@ -28,7 +28,7 @@ constexpr Key<Light, std::string> group_key() {
 }
 
 template <>
-inline constexpr auto kKeys<PointLightDescription> = std::tuple{
+inline constexpr auto kKeys<PointLightDescription> = Table{
     TrackedKey{"position", &PointLightDescription::position, &LightAnimation::position, domains::kPoint,
                "the point that emits. The irradiance falls off with the square of the distance",
                KeyTraits{.required = true, .has_keyframes = true}},
@@ -48,7 +48,7 @@ inline constexpr auto kKeys<PointLightDescription> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<lights::ProjectedImage> = std::tuple{
+inline constexpr auto kKeys<lights::ProjectedImage> = Table{
     Key{"texture", &lights::ProjectedImage::texture, domains::kTextureName,
         "the image, which multiplies the intensity. Beyond its edges there is no light",
         KeyTraits{.required = true}},
@@ -64,7 +64,7 @@ inline constexpr auto kKeys<lights::ProjectedImage> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<SpotLightDescription> = std::tuple{
+inline constexpr auto kKeys<SpotLightDescription> = Table{
     TrackedKey{"position", &SpotLightDescription::position, &LightAnimation::position, domains::kPoint,
                "the apex of the cone", KeyTraits{.required = true, .has_keyframes = true}},
     TrackedKey{"look_at", &SpotLightDescription::look_at, &LightAnimation::look_at, domains::kPoint,
@@ -86,7 +86,7 @@ inline constexpr auto kKeys<SpotLightDescription> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<DirectionalLightDescription> = std::tuple{
+inline constexpr auto kKeys<DirectionalLightDescription> = Table{
     TrackedKey{"direction", &DirectionalLightDescription::direction, &LightAnimation::direction,
                domains::kVector, "the direction in which the light travels, of any length above 0",
                KeyTraits{.required = true, .has_keyframes = true}},
@@ -97,7 +97,7 @@ inline constexpr auto kKeys<DirectionalLightDescription> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<EnvironmentDescription> = std::tuple{
+inline constexpr auto kKeys<EnvironmentDescription> = Table{
     PartKey{
         "texture", &EnvironmentDescription::radiance, &ColorParameter::texture, domains::kTextureName,
         "an equirectangular image, twice as wide as high, preferably HDR. Its centre is at −z, to the right "

@@ -12,18 +12,18 @@ namespace tessera::core {
 
 template <typename Owner>
 constexpr auto microfacet_keys(MicrofacetKind Owner::*kind) {
-  return std::tuple{PartKey{"distribution", kind, &MicrofacetKind::distribution, domains::kDistribution,
-                            "the distribution of microfacet normals"},
-                    PartKey{"masking", kind, &MicrofacetKind::masking, domains::kSmithMasking,
-                            "the masking-shadowing function: height-correlated, or the product for both "
-                            "directions"}};
+  return Table{PartKey{"distribution", kind, &MicrofacetKind::distribution, domains::kDistribution,
+                       "the distribution of microfacet normals"},
+               PartKey{"masking", kind, &MicrofacetKind::masking, domains::kSmithMasking,
+                       "the masking-shadowing function: height-correlated, or the product for both "
+                       "directions"}};
 }
 
 // The names are those of the scale and of the Abbe number.
 template <typename Owner>
 constexpr auto dispersion_keys(std::string_view scale, std::string_view abbe_number,
                                Dispersion Owner::*dispersion) {
-  return std::tuple{
+  return Table{
       PartKey{
           scale, dispersion, &Dispersion::scale, domains::kDispersionScale,
           "how much [dispersion](materials.md#dispersion) spreads colours: 1 is that of the Abbe number, 0 "
@@ -35,7 +35,7 @@ constexpr auto dispersion_keys(std::string_view scale, std::string_view abbe_num
 }
 
 template <>
-inline constexpr auto kKeys<NormalMap> = std::tuple{
+inline constexpr auto kKeys<NormalMap> = Table{
     Key{"texture", &NormalMap::texture, domains::kTextureName, "a name in `textures`",
         KeyTraits{.required = true}},
     Key{"strength", &NormalMap::strength, domains::kStrength,
@@ -44,7 +44,7 @@ inline constexpr auto kKeys<NormalMap> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<TangentMap> = std::tuple{
+inline constexpr auto kKeys<TangentMap> = Table{
     Key{"texture", &TangentMap::texture, domains::kTextureName, "a name in `textures`",
         KeyTraits{.required = true}},
 };
@@ -53,7 +53,7 @@ inline constexpr auto kKeys<TangentMap> = std::tuple{
 template <typename Owner>
 constexpr auto tangent_keys(std::string_view map, std::string_view rotation,
                             TangentDirection Owner::*direction) {
-  return std::tuple{
+  return Table{
       PartKey{map, direction, &TangentDirection::map, domains::kTangentMap,
               "a texture of the direction along which highlights are stretched: red and green are its "
               "components from −1 to 1 along increasing u and v",
@@ -63,24 +63,24 @@ constexpr auto tangent_keys(std::string_view map, std::string_view rotation,
 }
 
 template <>
-inline constexpr auto kKeys<Lambert> = std::tuple{
+inline constexpr auto kKeys<Lambert> = Table{
     Key{"albedo", &Lambert::albedo, domains::kShare, "the reflectance"},
 };
 
 template <>
-inline constexpr auto kKeys<Mirror> = std::tuple{
+inline constexpr auto kKeys<Mirror> = Table{
     Key{"reflectance", &Mirror::reflectance, domains::kShare, "the reflectance"},
 };
 
 template <>
-inline constexpr auto kKeys<Glass> = std::tuple_cat(
-    std::tuple{
+inline constexpr auto kKeys<Glass> = join(
+    Table{
         Key{"ior", &Glass::ior, domains::kIor,
             "the index of refraction of the inside: 1.33 for water, 1.5 for window glass, 2.42 for diamond. "
             "For an air bubble in glass, turn its surface inside out"},
     },
     dispersion_keys("dispersion_scale", "dispersion_abbe_number", &Glass::dispersion),
-    std::tuple{
+    Table{
         Key{"reflectance", &Glass::reflectance, domains::kShare, "multiplies the reflected light"},
         Key{"transmittance", &Glass::transmittance, domains::kShare,
             "multiplies the transmitted light, at each crossing of the surface"},
@@ -96,7 +96,7 @@ inline constexpr auto kKeys<Glass> = std::tuple_cat(
     microfacet_keys(&Glass::microfacets));
 
 template <>
-inline constexpr auto kKeys<Phong> = std::tuple{
+inline constexpr auto kKeys<Phong> = Table{
     Key{"diffuse", &Phong::diffuse, domains::kShare, "the diffuse reflectance"},
     Key{"specular", &Phong::specular, domains::kShare, "the reflectance of the highlight"},
     Key{"exponent", &Phong::exponent, domains::kExponent,
@@ -107,7 +107,7 @@ inline constexpr auto kKeys<Phong> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<CookTorrance> = std::tuple{
+inline constexpr auto kKeys<CookTorrance> = Table{
     Key{"diffuse", &CookTorrance::diffuse, domains::kShare, "the diffuse reflectance"},
     Key{"specular", &CookTorrance::specular, domains::kShare, "multiplies the microfacet reflection"},
     Key{"f0", &CookTorrance::f0, domains::kShare,
@@ -120,8 +120,8 @@ inline constexpr auto kKeys<CookTorrance> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<Principled> = std::tuple_cat(
-    std::tuple{
+inline constexpr auto kKeys<Principled> = join(
+    Table{
         Key{"base_weight", &Principled::base_weight, domains::kWeight, "multiplies `base_color`"},
         Key{"base_color", &Principled::base_color, domains::kShare,
             "the colour of diffuse reflection, and of metal at normal incidence"},
@@ -153,7 +153,7 @@ inline constexpr auto kKeys<Principled> = std::tuple_cat(
     },
     dispersion_keys("transmission_dispersion_scale", "transmission_dispersion_abbe_number",
                     &Principled::transmission_dispersion),
-    std::tuple{
+    Table{
         Key{"coat_weight", &Principled::coat_weight, domains::kWeight, "the share that a clear coat covers"},
         Key{"coat_color", &Principled::coat_color, domains::kShare, "what the coat lets through"},
         Key{"coat_roughness", &Principled::coat_roughness, domains::kRoughness, "the roughness of the coat"},
@@ -185,8 +185,8 @@ inline constexpr auto kKeys<Principled> = std::tuple_cat(
     tangent_keys("geometry_coat_tangent", "geometry_coat_tangent_rotation", &Principled::coat_tangent));
 
 template <>
-inline constexpr auto kKeys<Plastic> = std::tuple_cat(
-    std::tuple{
+inline constexpr auto kKeys<Plastic> = join(
+    Table{
         Key{"diffuse", &Plastic::diffuse, domains::kShare, "the reflectance of the base"},
         Key{"specular", &Plastic::specular, domains::kShare, "multiplies the reflection of the boundary"},
         Key{"ior", &Plastic::ior, domains::kIor, "the index of refraction"},
@@ -198,15 +198,15 @@ inline constexpr auto kKeys<Plastic> = std::tuple_cat(
             "whether each reflection inside takes the colour of the base, which makes it more saturated"},
     },
     microfacet_keys(&Plastic::microfacets),
-    std::tuple{
+    Table{
         Key{"compensated", &Plastic::compensated, domains::kTruth,
             "whether light that microfacets throw to each other under the boundary stays there; otherwise "
             "it is lost"},
     });
 
 template <>
-inline constexpr auto kKeys<ConductorMaterial> = std::tuple_cat(
-    std::tuple{
+inline constexpr auto kKeys<ConductorMaterial> = join(
+    Table{
         OtherKey{"metal",
                  domains::kConductor,
                  "a measured metal; `eta` and `k` must be left out",
@@ -222,21 +222,21 @@ inline constexpr auto kKeys<ConductorMaterial> = std::tuple_cat(
     microfacet_keys(&ConductorMaterial::microfacets));
 
 template <>
-inline constexpr auto kKeys<DiffuseTransmission> = std::tuple{
+inline constexpr auto kKeys<DiffuseTransmission> = Table{
     Key{"reflectance", &DiffuseTransmission::reflectance, domains::kShare, "the diffuse reflectance"},
     Key{"transmittance", &DiffuseTransmission::transmittance, domains::kShare,
         "the diffuse transmittance. Where both exceed 1, they are scaled down"},
 };
 
 template <>
-inline constexpr auto kKeys<ThinDielectric> = std::tuple{
+inline constexpr auto kKeys<ThinDielectric> = Table{
     Key{"ior", &ThinDielectric::ior, domains::kIor, "the index of refraction"},
     Key{"reflectance", &ThinDielectric::reflectance, domains::kShare, "multiplies the reflected light"},
     Key{"transmittance", &ThinDielectric::transmittance, domains::kShare, "multiplies the transmitted light"},
 };
 
 template <>
-inline constexpr auto kKeys<Blend> = std::tuple{
+inline constexpr auto kKeys<Blend> = Table{
     OtherKey{"materials",
              domains::kMaterialPair,
              "materials that stand above the blend in the file. They may be blends themselves, 8 deep",
@@ -249,10 +249,10 @@ inline constexpr auto kKeys<Blend> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<Null> = std::tuple{};
+inline constexpr auto kKeys<Null> = Table{};
 
 template <>
-inline constexpr auto kKeys<Hair> = std::tuple{
+inline constexpr auto kKeys<Hair> = Table{
     Key{"reflectance", &Hair::reflectance, domains::kShare, "the colour of much hair",
         KeyTraits{.otherwise = "none"}},
     Key{"sigma_a", &Hair::sigma_a, domains::kIndex, "the absorption inside, per radius of the hair",
@@ -269,8 +269,8 @@ inline constexpr auto kKeys<Hair> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<Disney> = std::tuple_cat(
-    std::tuple{
+inline constexpr auto kKeys<Disney> = join(
+    Table{
         Key{"base_color", &Disney::base_color, domains::kShare,
             "the colour of diffuse reflection, of metal and of transmitted light"},
         Key{"metallic", &Disney::metallic, domains::kWeight, "the share of metal"},
@@ -297,7 +297,7 @@ inline constexpr auto kKeys<Disney> = std::tuple_cat(
     tangent_keys("tangent", "tangent_rotation", &Disney::tangent));
 
 template <>
-inline constexpr auto kKeys<BumpMap> = std::tuple{
+inline constexpr auto kKeys<BumpMap> = Table{
     Key{"texture", &BumpMap::texture, domains::kTextureName, "a name in `textures`",
         KeyTraits{.required = true}},
     Key{"height", &BumpMap::height, domains::kCoordinate,
@@ -366,39 +366,39 @@ inline constexpr PartKey kExterior{"exterior_medium",
 }  // namespace material_keys
 
 template <>
-inline constexpr auto kKeys<Material> = std::tuple{material_keys::kEmission, material_keys::kEmissionSides,
-                                                   material_keys::kGroup,    material_keys::kVisibleToCamera,
-                                                   material_keys::kSampling, material_keys::kNormalMap,
-                                                   material_keys::kBump,     material_keys::kOpacity,
-                                                   material_keys::kSides,    material_keys::kShadingNormals,
-                                                   material_keys::kInterior, material_keys::kExterior,
-                                                   Unkeyed{&Material::name}, Unkeyed{&Material::model}};
+inline constexpr auto kKeys<Material> = Table{material_keys::kEmission, material_keys::kEmissionSides,
+                                              material_keys::kGroup,    material_keys::kVisibleToCamera,
+                                              material_keys::kSampling, material_keys::kNormalMap,
+                                              material_keys::kBump,     material_keys::kOpacity,
+                                              material_keys::kSides,    material_keys::kShadingNormals,
+                                              material_keys::kInterior, material_keys::kExterior,
+                                              Unkeyed{&Material::name}, Unkeyed{&Material::model}};
 
 // Those of them that a model has.
 template <typename Model>
 inline constexpr const auto& kCommonKeys = kKeys<Material>;
 template <>
-inline constexpr auto kCommonKeys<CookTorrance> = std::tuple{material_keys::kEmission,
-                                                             material_keys::kEmissionSides,
-                                                             material_keys::kGroup,
-                                                             material_keys::kVisibleToCamera,
-                                                             material_keys::kMicrofacetSampling,
-                                                             material_keys::kNormalMap,
-                                                             material_keys::kBump,
-                                                             material_keys::kOpacity,
-                                                             material_keys::kSides,
-                                                             material_keys::kShadingNormals,
-                                                             material_keys::kInterior,
-                                                             material_keys::kExterior};
+inline constexpr auto kCommonKeys<CookTorrance> = Table{material_keys::kEmission,
+                                                        material_keys::kEmissionSides,
+                                                        material_keys::kGroup,
+                                                        material_keys::kVisibleToCamera,
+                                                        material_keys::kMicrofacetSampling,
+                                                        material_keys::kNormalMap,
+                                                        material_keys::kBump,
+                                                        material_keys::kOpacity,
+                                                        material_keys::kSides,
+                                                        material_keys::kShadingNormals,
+                                                        material_keys::kInterior,
+                                                        material_keys::kExterior};
 template <>
 inline constexpr auto kCommonKeys<Blend> =
-    std::tuple{material_keys::kEmission,        material_keys::kEmissionSides, material_keys::kGroup,
-               material_keys::kVisibleToCamera, material_keys::kOpacity,       material_keys::kInterior,
-               material_keys::kExterior};
+    Table{material_keys::kEmission,        material_keys::kEmissionSides, material_keys::kGroup,
+          material_keys::kVisibleToCamera, material_keys::kOpacity,       material_keys::kInterior,
+          material_keys::kExterior};
 template <>
 inline constexpr auto kCommonKeys<Null> =
-    std::tuple{material_keys::kEmission,        material_keys::kEmissionSides, material_keys::kGroup,
-               material_keys::kVisibleToCamera, material_keys::kInterior,      material_keys::kExterior};
+    Table{material_keys::kEmission,        material_keys::kEmissionSides, material_keys::kGroup,
+          material_keys::kVisibleToCamera, material_keys::kInterior,      material_keys::kExterior};
 
 // Calls visit(key, value) for each key of the model and then of the material.
 template <typename AnyMaterial, typename Visit>

@@ -14,7 +14,7 @@ inline constexpr Domain kGridName{.names = NamesOf::kGrids, .definition = "grid_
 }  // namespace domains
 
 template <>
-inline constexpr auto kKeys<MediumDescription> = std::tuple{
+inline constexpr auto kKeys<MediumDescription> = Table{
     Key{"sigma_a", &MediumDescription::sigma_a, domains::kLightColor,
         "the coefficient of absorption, per unit of length", KeyTraits{.has_keyframes = true}},
     Key{"sigma_s", &MediumDescription::sigma_s, domains::kLightColor,

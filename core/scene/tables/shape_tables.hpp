@@ -69,7 +69,7 @@ inline constexpr OtherKey kTransform{
 }  // namespace shape_keys
 
 template <>
-inline constexpr auto kKeys<MeshKeys> = std::tuple{
+inline constexpr auto kKeys<MeshKeys> = Table{
     shape_keys::kName,
     OtherKey{
         "file",
@@ -98,7 +98,7 @@ inline constexpr auto kKeys<MeshKeys> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<SphereDescription> = std::tuple{
+inline constexpr auto kKeys<SphereDescription> = Table{
     shape_keys::kName,
     Key{"center", &SphereDescription::center, domains::kPoint, "the centre"},
     Key{"radius", &SphereDescription::radius, domains::kPositive, "the radius", KeyTraits{.required = true}},
@@ -109,7 +109,7 @@ inline constexpr auto kKeys<SphereDescription> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<QuadDescription> = std::tuple{
+inline constexpr auto kKeys<QuadDescription> = Table{
     shape_keys::kName,
     Key{"corner", &QuadDescription::corner, domains::kPoint,
         "the corner of the parallelogram *corner* + *s* *edge_u* + *t* *edge_v* with *s* and *t* from 0 to "
@@ -124,7 +124,7 @@ inline constexpr auto kKeys<QuadDescription> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<InstanceKeys> = std::tuple{
+inline constexpr auto kKeys<InstanceKeys> = Table{
     shape_keys::kName,
     OtherKey{"object", domains::kObjectName, "the object; see [Instances](#instances)", {.required = true}},
     OtherKey{
@@ -136,7 +136,7 @@ inline constexpr auto kKeys<InstanceKeys> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<DiskKeys> = std::tuple{
+inline constexpr auto kKeys<DiskKeys> = Table{
     shape_keys::kName,
     Key{"center", &DiskKeys::center, domains::kPoint, "the centre"},
     Key{"normal", &DiskKeys::normal, domains::kVector,
@@ -150,7 +150,7 @@ inline constexpr auto kKeys<DiskKeys> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<CylinderKeys> = std::tuple{
+inline constexpr auto kKeys<CylinderKeys> = Table{
     shape_keys::kName,
     Key{"start", &CylinderKeys::start, domains::kPoint,
         "the start of the axis. The cylinder has no caps: add disks", KeyTraits{.required = true}},
@@ -164,7 +164,7 @@ inline constexpr auto kKeys<CylinderKeys> = std::tuple{
 };
 
 template <>
-inline constexpr auto kKeys<CurvesKeys> = std::tuple{
+inline constexpr auto kKeys<CurvesKeys> = Table{
     shape_keys::kName,
     OtherKey{"points",
              domains::kControlPoints,

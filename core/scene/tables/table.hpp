@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tables of keys: what a scene file calls each member of a description, which values it accepts and what it
 // means. The reader, the writer, validation, keyframes, the scene cache, the JSON Schema and the reference
-// all go through the same tables (docs/architecture.md). A table is a std::tuple of Keys, in the order of the
-// reference; for_each() visits it, and the type of a member decides by overload what is done with it.
+// all go through the same tables (docs/architecture.md). A Table holds Keys, in the order of the reference;
+// for_each() visits them, and the type of a member decides by overload what is done with it.
 #pragma once
 
 #include <cstddef>
 #include <span>
 #include <string_view>
-#include <tuple>
 #include <type_traits>
+#include <utility>
 
 #include "core/math/track.hpp"
 #include "core/scene/tables/range.hpp"
@@ -122,6 +122,45 @@ concept MemberOf = requires(const Entry& entry, Owner& owner) {
   entry.of(owner);
 };
 
+// Entries of any types. A std::tuple is a class inside a class for each entry, which with tens of entries is
+// most of what there is to compile; these are side by side.
+template <std::size_t index, typename Entry>
+struct TableEntry {
+  Entry entry;
+};
+template <typename Indices, typename... Entries>
+struct TableEntries;
+template <std::size_t... indices, typename... Entries>
+struct TableEntries<std::index_sequence<indices...>, Entries...> : TableEntry<indices, Entries>... {
+  template <typename Visit>
+  constexpr void visit_each(const Visit& visit) const {
+    (visit(static_cast<const TableEntry<indices, Entries>&>(*this).entry), ...);
+  }
+  // `call` with all entries at once.
+  template <typename Call>
+  constexpr auto apply(const Call& call) const {
+    return call(static_cast<const TableEntry<indices, Entries>&>(*this).entry...);
+  }
+};
+template <typename... Entries>
+struct Table : TableEntries<std::index_sequence_for<Entries...>, Entries...> {};
+template <typename... Entries>
+Table(Entries...) -> Table<Entries...>;
+
+// One table of the entries of several.
+template <typename... Entries>
+constexpr Table<Entries...> join(const Table<Entries...>& table) {
+  return table;
+}
+template <typename... First, typename... Second, typename... Rest>
+constexpr auto join(const Table<First...>& first, const Table<Second...>& second, const Rest&... rest) {
+  return first.apply([&](const First&... one) {
+    return second.apply([&](const Second&... other) {
+      return join(Table<First..., Second...>{{{one}..., {other}...}}, rest...);
+    });
+  });
+}
+
 // The keys of a type, but for "type".
 template <typename T>
 inline constexpr std::nullptr_t kKeys = nullptr;
@@ -132,13 +171,13 @@ concept HasTable =
 
 // Calls visit(entry) for each entry.
 template <typename... Entries, typename Visit>
-constexpr void for_each(const std::tuple<Entries...>& table, const Visit& visit) {
-  std::apply([&](const Entries&... entry) { (visit(entry), ...); }, table);
+constexpr void for_each(const Table<Entries...>& table, const Visit& visit) {
+  table.visit_each(visit);
 }
 
 // Calls visit(key, value) for each key of the table that has a member of the owner.
 template <typename... Entries, typename Owner, typename Visit>
-constexpr void visit_members(const std::tuple<Entries...>& table, Owner& owner, const Visit& visit) {
+constexpr void visit_members(const Table<Entries...>& table, Owner& owner, const Visit& visit) {
   for_each(table, [&]<typename Entry>(const Entry& entry) {
     if constexpr (Named<Entry> && MemberOf<Entry, Owner>) visit(entry, entry.of(owner));
   });
@@ -146,7 +185,7 @@ constexpr void visit_members(const std::tuple<Entries...>& table, Owner& owner, 
 
 // Calls visit(track) for each track that the keys of the table have.
 template <typename... Entries, typename Tracks, typename Visit>
-void visit_tracks(const std::tuple<Entries...>& table, const Tracks& tracks, const Visit& visit) {
+void visit_tracks(const Table<Entries...>& table, const Tracks& tracks, const Visit& visit) {
   for_each(table, [&](const auto& entry) {
     if constexpr (requires { tracks.*entry.track; }) visit(tracks.*entry.track);
   });
@@ -154,7 +193,7 @@ void visit_tracks(const std::tuple<Entries...>& table, const Tracks& tracks, con
 
 // `owner` as it is at a frame.
 template <typename... Entries, typename Owner, typename Tracks>
-Owner tracked_values_at(const std::tuple<Entries...>& table, Owner owner, const Tracks& tracks, float frame) {
+Owner tracked_values_at(const Table<Entries...>& table, Owner owner, const Tracks& tracks, float frame) {
   visit_members(table, owner, [&](const auto& key, auto& value) {
     if constexpr (requires { tracks.*key.track; }) value = value_at(tracks.*key.track, frame, value);
   });

@@ -29,22 +29,22 @@ inline constexpr Domain kUvSet = words(scene_keys::kUvSets);
 // The numbers of noise: the names of all members are the same.
 template <typename Owner>
 constexpr auto noise_keys() {
-  return std::tuple{Key{"octaves", &Owner::octaves, domains::kOctaves,
-                        "the number of octaves of noise, each 1.99 times as fine as the one before"},
-                    Key{"roughness", &Owner::roughness, domains::kOctaveHeight,
-                        "the height of an octave relative to the one before"}};
+  return Table{Key{"octaves", &Owner::octaves, domains::kOctaves,
+                   "the number of octaves of noise, each 1.99 times as fine as the one before"},
+               Key{"roughness", &Owner::roughness, domains::kOctaveHeight,
+                   "the height of an octave relative to the one before"}};
 }
 
 template <>
 inline constexpr auto kKeys<CheckerboardPattern> =
-    std::tuple{Key{"even", &CheckerboardPattern::even, domains::kPatternColor,
-                   "the colour of the cell from the origin to (1, 1, 1), and of every second one"},
-               Key{"odd", &CheckerboardPattern::odd, domains::kPatternColor, "the colour of the others"}};
+    Table{Key{"even", &CheckerboardPattern::even, domains::kPatternColor,
+              "the colour of the cell from the origin to (1, 1, 1), and of every second one"},
+          Key{"odd", &CheckerboardPattern::odd, domains::kPatternColor, "the colour of the others"}};
 
 template <>
 inline constexpr auto kKeys<DotsPattern> =
-    std::tuple{Key{"inside", &DotsPattern::inside, domains::kPatternColor, "the colour of the dots"},
-               Key{"outside", &DotsPattern::outside, domains::kPatternColor, "the colour between them"}};
+    Table{Key{"inside", &DotsPattern::inside, domains::kPatternColor, "the colour of the dots"},
+          Key{"outside", &DotsPattern::outside, domains::kPatternColor, "the colour between them"}};
 
 template <>
 inline constexpr auto kKeys<FbmPattern> = noise_keys<FbmPattern>();
@@ -53,61 +53,61 @@ template <>
 inline constexpr auto kKeys<WrinkledPattern> = noise_keys<WrinkledPattern>();
 
 template <>
-inline constexpr auto kKeys<WindyPattern> = std::tuple{};
+inline constexpr auto kKeys<WindyPattern> = Table{};
 
 template <>
-inline constexpr auto kKeys<MarblePattern> = std::tuple_cat(
-    noise_keys<MarblePattern>(),
-    std::tuple{Key{"scale", &MarblePattern::scale, domains::kPatternFactor, "multiplies the coordinates"},
+inline constexpr auto kKeys<MarblePattern> =
+    join(noise_keys<MarblePattern>(),
+         Table{Key{"scale", &MarblePattern::scale, domains::kPatternFactor, "multiplies the coordinates"},
                Key{"variation", &MarblePattern::variation, domains::kPatternFactor,
                    "how much noise disturbs the layers"}});
 
 template <>
 inline constexpr auto kKeys<MixPattern> =
-    std::tuple{Key{"first", &MixPattern::first, domains::kPatternColor, "the colour where `amount` is 0"},
-               Key{"second", &MixPattern::second, domains::kPatternColor, "the colour where it is 1"},
-               Key{"amount", &MixPattern::amount, domains::kPatternNumber, "the share of the second"}};
+    Table{Key{"first", &MixPattern::first, domains::kPatternColor, "the colour where `amount` is 0"},
+          Key{"second", &MixPattern::second, domains::kPatternColor, "the colour where it is 1"},
+          Key{"amount", &MixPattern::amount, domains::kPatternNumber, "the share of the second"}};
 
 template <>
 inline constexpr auto kKeys<ProductPattern> =
-    std::tuple{Key{"first", &ProductPattern::first, domains::kPatternColor, "a factor"},
-               Key{"second", &ProductPattern::second, domains::kPatternColor, "the other one"}};
+    Table{Key{"first", &ProductPattern::first, domains::kPatternColor, "a factor"},
+          Key{"second", &ProductPattern::second, domains::kPatternColor, "the other one"}};
 
 template <>
-inline constexpr auto kKeys<PowerPattern> = std::tuple{
-    Key{"base", &PowerPattern::base, domains::kPatternColor, "the base; what is negative counts as 0"},
-    Key{"exponent", &PowerPattern::exponent, domains::kPatternExponent, "the exponent"}};
+inline constexpr auto kKeys<PowerPattern> =
+    Table{Key{"base", &PowerPattern::base, domains::kPatternColor, "the base; what is negative counts as 0"},
+          Key{"exponent", &PowerPattern::exponent, domains::kPatternExponent, "the exponent"}};
 
 template <>
-inline constexpr auto kKeys<StepPattern> = std::tuple{
-    Key{"base", &StepPattern::base, domains::kPatternColor, "what is compared, after interpolation"},
-    Key{"threshold", &StepPattern::threshold, domains::kPatternFactor, "the least value that gives 1"}};
+inline constexpr auto kKeys<StepPattern> =
+    Table{Key{"base", &StepPattern::base, domains::kPatternColor, "what is compared, after interpolation"},
+          Key{"threshold", &StepPattern::threshold, domains::kPatternFactor, "the least value that gives 1"}};
 
 template <>
-inline constexpr auto kKeys<FacingPattern> = std::tuple{};
+inline constexpr auto kKeys<FacingPattern> = Table{};
 
 template <>
 inline constexpr auto kKeys<GridPattern> =
-    std::tuple{Key{"layers", &GridPattern::layers, domains::kPatternColor,
-                   "an image of the layers of equal z, side by side from the top left, row by row"},
-               Key{"depth", &GridPattern::depth, domains::kGridLayers, "the number of layers"},
-               Key{"columns", &GridPattern::columns, domains::kGridLayers,
-                   "how many layers stand side by side; the image has as many rows of them as are needed"},
-               Key{"wrap", &GridPattern::wrap, domains::kGridWrap,
-                   "beyond the cube: the grid again, its faces, or the grid mirrored at each face"},
-               Key{"filter", &GridPattern::filter, domains::kGridTexelFilter,
-                   "between the centres of voxels: interpolation, or the value of the nearest one"}};
+    Table{Key{"layers", &GridPattern::layers, domains::kPatternColor,
+              "an image of the layers of equal z, side by side from the top left, row by row"},
+          Key{"depth", &GridPattern::depth, domains::kGridLayers, "the number of layers"},
+          Key{"columns", &GridPattern::columns, domains::kGridLayers,
+              "how many layers stand side by side; the image has as many rows of them as are needed"},
+          Key{"wrap", &GridPattern::wrap, domains::kGridWrap,
+              "beyond the cube: the grid again, its faces, or the grid mirrored at each face"},
+          Key{"filter", &GridPattern::filter, domains::kGridTexelFilter,
+              "between the centres of voxels: interpolation, or the value of the nearest one"}};
 
 template <>
-inline constexpr auto kKeys<ProjectedPattern> = std::tuple{
-    Key{"base", &ProjectedPattern::base, domains::kPatternColor, "the texture that is projected"},
-    Key{"projection", &ProjectedPattern::projection, domains::kProjection,
-        "what becomes u and v: x and y; the angle from +z over 180 degrees, and that about +z from +x "
-        "over 360 degrees; or the angle about +z from -x over 360 degrees, and z"}};
+inline constexpr auto kKeys<ProjectedPattern> =
+    Table{Key{"base", &ProjectedPattern::base, domains::kPatternColor, "the texture that is projected"},
+          Key{"projection", &ProjectedPattern::projection, domains::kProjection,
+              "what becomes u and v: x and y; the angle from +z over 180 degrees, and that about +z from +x "
+              "over 360 degrees; or the angle about +z from -x over 360 degrees, and z"}};
 
 // What all of them have.
 template <>
-inline constexpr auto kKeys<ProceduralTexture> = std::tuple{
+inline constexpr auto kKeys<ProceduralTexture> = Table{
     Key{"coordinates", &ProceduralTexture::space, domains::kPatternSpace,
         "what the pattern is a function of: the point in the world, the texture coordinates (u, v, 0), or "
         "the unit normal of the surface, as it is without interpolation and maps"},

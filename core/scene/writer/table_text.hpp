@@ -65,7 +65,7 @@ class TableWriter {
   // Adds the keys of the table that must be written, or whose values are not the defaults of an Owner. Those
   // for which is_written(key) does not hold are left out.
   template <typename Owner, typename Tracks, typename IsWritten, typename... Entries>
-  void write(const std::tuple<Entries...>& table, const Owner& owner, const Tracks& tracks,
+  void write(const Table<Entries...>& table, const Owner& owner, const Tracks& tracks,
              const IsWritten& is_written) {
     visit_members(table, owner, [&](const auto& key, const auto& value) {
       if (!is_written(key.name)) return;
@@ -76,7 +76,7 @@ class TableWriter {
     });
   }
   template <typename Owner, typename Tracks, typename... Entries>
-  void write(const std::tuple<Entries...>& table, const Owner& owner, const Tracks& tracks) {
+  void write(const Table<Entries...>& table, const Owner& owner, const Tracks& tracks) {
     write(table, owner, tracks, [](std::string_view) { return true; });
   }
 

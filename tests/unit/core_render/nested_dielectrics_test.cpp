@@ -9,6 +9,7 @@
 
 #include "core/materials/fresnel.hpp"
 #include "core/math/elementary.hpp"
+#include "core/scene/priorities.hpp"
 #include "tests/support/mean_radiance.hpp"
 #include "tests/support/test_scenes.hpp"
 
