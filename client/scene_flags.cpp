@@ -14,17 +14,39 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "client/example_scenes.hpp"
 #include "core/base/printable.hpp"
 #include "core/base/suggestion.hpp"
 #include "core/image/encode.hpp"
+#include "core/scene/import/scene_format.hpp"
 #include "core/scene/import/selection.hpp"
 
 namespace tessera::client {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr std::uint64_t kMaxSeed = std::numeric_limits<std::uint64_t>::max();
+
+// That a folder is no scene, and what in it may be one, scenes before meshes.
+std::string why_no_folder(const std::string& folder) {
+  std::vector<std::pair<core::SceneFormat, std::string>> scenes;
+  std::error_code error;
+  for (fs::directory_iterator file(folder, error), end; !error && file != end; file.increment(error)) {
+    std::error_code unknown;
+    const std::string path = file->path().string();
+    if (const auto format = core::format_by_ending(path); format && file->is_regular_file(unknown))
+      scenes.emplace_back(*format, path);
+  }
+  constexpr std::size_t kMaxShown = 3;
+  std::ranges::sort(scenes);
+  std::string text = core::in_quotes(folder) + " is a folder: give a scene file";
+  for (std::size_t i = 0; i < std::min(scenes.size(), kMaxShown); ++i)
+    text += (i == 0 ? ", such as " : ", ") + core::in_quotes(scenes[i].second);
+  return text;
+}
 
 std::optional<std::uint64_t> whole_number(std::string_view text) {
   std::uint64_t value = 0;
@@ -141,6 +163,8 @@ void add_scene_argument(CLI::App& command, SceneFlags& flags) {
 }
 
 std::string why_no_scene(const std::string& path) {
+  std::error_code no_file;
+  if (fs::is_directory(path, no_file)) return why_no_folder(path);
   if (!core::image_format_from_path(path)) return suggest_example(path);
   return fmt::format("{} is an image, and not a scene: give the scene file, and images to write by -o",
                      core::in_quotes(path));
@@ -303,7 +327,7 @@ std::uint64_t parse_whole_number(const std::string& flag, const std::string& tex
 
 std::string scene_name(const std::string& path) {
   std::error_code ignored;  // the path itself will do
-  const std::filesystem::path file = std::filesystem::absolute(path, ignored).lexically_normal();
+  const fs::path file = fs::absolute(path, ignored).lexically_normal();
   const std::string name = file.stem().string(), folder = file.parent_path().filename().string();
   return core::printable(name == "scene" && !folder.empty() ? folder : name);
 }

@@ -25,8 +25,8 @@ struct SceneFlags {
 void add_scene_argument(CLI::App& command, SceneFlags& flags);
 void add_output_option(CLI::App& command, SceneFlags& flags);
 
-// What is wrong with SCENE as far as its name tells: it is an image's, most likely because -o is missing
-// before it, or a misspelt one of an example scene. Empty for others.
+// What is wrong with SCENE as far as its name tells: it is a folder's; an image's, most likely because -o is
+// missing before it; or a misspelt one of an example scene. Empty for others.
 std::string why_no_scene(const std::string& path);
 
 // Adds --spp, --size, --crop, --integrator, --heuristic, --clamp-indirect, --seed and --layers. A bad value

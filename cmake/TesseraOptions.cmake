@@ -68,7 +68,7 @@ endif()
 # Compilation dominates the time of a test run, and test code gains little from optimisation. These options
 # come after the build type's own.
 set(TESSERA_TEST_FLAGS "-O1" CACHE STRING "Compiler options of the tests")
-set(TESSERA_FILE_FLAGS "" CACHE STRING "Compiler options of command lines and of what reads and writes files in core")
+set(TESSERA_FILE_FLAGS "" CACHE STRING "Compiler options of command lines and of what reads, checks and writes scenes and images in core")
 set(TESSERA_FARM_FLAGS "" CACHE STRING "Compiler options of the farm and its tests: all but core and the scheduler, core's tests and simulated farms")
 
 # tessera_library(NAME SOURCES ... LINKS ...): a static library tessera_NAME with the alias tessera::NAME.

@@ -318,7 +318,7 @@ Result<MeshDescription> SceneAssembler::load_obj_mesh(const MeshEntry& entry) {
   if (entry.material) {
     materials = {*entry.material};
   } else {
-    auto own = obj_materials_.of_runs(entry.file, **obj, entry.default_material);
+    auto own = obj_materials_.of_runs(entry.file, **obj, entry.default_material, entry.colors);
     if (!own) return fail(own.error());
     materials = std::move(*own);
   }

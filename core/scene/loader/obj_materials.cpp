@@ -66,10 +66,15 @@ double texture_length(const MeshDescription& mesh, std::uint32_t material, Vec2 
 }  // namespace
 
 Result<std::vector<std::uint32_t>> ObjMaterials::of_runs(const std::string& path, const ObjFile& obj,
-                                                         std::optional<std::uint32_t> gaps) {
+                                                         std::optional<std::uint32_t> gaps,
+                                                         VertexColors colors) {
   obj_ = path;
   tells_ = told_.insert(path).second;
   const Names names = names_in(load_libraries(obj));
+  const bool is_colored = colors == VertexColors::kUse && !obj.text.colors.empty();
+  const std::string_view filler = gaps         ? "'default_material' is used"
+                                  : is_colored ? "a white lambert with the vertex colours is used"
+                                               : "the default material, a mid-grey lambert, is used";
   std::vector<std::uint32_t> materials;
   for (std::size_t run = 0; run < obj.runs.size(); ++run) {
     const std::uint32_t index = obj.runs[run].material;
@@ -78,8 +83,8 @@ Result<std::vector<std::uint32_t>> ObjMaterials::of_runs(const std::string& path
     if (index != kNoMaterialName && found == names.end())
       found = names.find(name_without_comment(obj.material_names[index]));
     if (found == names.end()) {
-      tell_gap(obj, run, names, gaps.has_value());
-      materials.push_back(gaps ? *gaps : default_material(!obj.text.colors.empty()));
+      if (index != kNoMaterialName || !gaps) tell_gap(obj, run, names, filler);
+      materials.push_back(gaps ? *gaps : default_material(is_colored));
       continue;
     }
     const auto material = add_material(found->second);
@@ -147,17 +152,13 @@ void ObjMaterials::tell_other_name(const std::string& file, int line, const std:
        [&] { return fmt::format("{} does not exist; {} is used", in_quotes(written), in_quotes(found)); });
 }
 
-void ObjMaterials::tell_gap(const ObjFile& obj, std::size_t run, const Names& names, bool is_filled) {
+void ObjMaterials::tell_gap(const ObjFile& obj, std::size_t run, const Names& names,
+                            std::string_view filler) {
   const std::uint32_t index = obj.runs[run].material;
-  const std::string_view filler = is_filled ? "'default_material' is used"
-                                  : obj.text.colors.empty()
-                                      ? "the default material, a mid-grey lambert, is used"
-                                      : "a white lambert with the vertex colours is used";
   const std::size_t triangles = end_of_run(obj, run) - obj.runs[run].first_triangle;
   if (index == kNoMaterialName) {
     const auto text = [&] { return fmt::format("no 'usemtl' gives this face a material; {}", filler); };
-    if (!is_filled)
-      warn(obj_, "no material", run == 0 ? obj.text.first_face_line : 0, text, triangles, "triangles");
+    warn(obj_, "no material", run == 0 ? obj.text.first_face_line : 0, text, triangles, "triangles");
     return;
   }
   const auto text = [&] {

@@ -18,6 +18,7 @@
 #include "core/scene/loader/asset_cache.hpp"
 #include "core/scene/loader/file_warnings.hpp"
 #include "core/scene/loader/mtl_material.hpp"
+#include "core/scene/tables/shape_tables.hpp"
 
 namespace tessera::core {
 
@@ -28,10 +29,11 @@ class ObjMaterials {
       : cache_(cache), scene_(scene), warnings_(warnings) {}
 
   // The scene's material for each run of the file's triangles. `gaps` is the material of triangles whose
-  // own is unknown; if it is not set, a default material is used. Fails only if the scene exceeds the
-  // limits.
+  // own is unknown; if it is not set, a default material is used, with the vertex colours if there are some
+  // and `colors` does not ignore them. Fails only if the scene exceeds the limits.
   Result<std::vector<std::uint32_t>> of_runs(const std::string& path, const ObjFile& obj,
-                                             std::optional<std::uint32_t> gaps);
+                                             std::optional<std::uint32_t> gaps,
+                                             VertexColors colors = VertexColors::kUse);
 
   // Sets the height of bump maps of materials that `mesh` uses first, because MTL files define no unit for
   // it.
@@ -56,7 +58,7 @@ class ObjMaterials {
   bool add_library(const std::string& name, int line, Libraries& libraries);
   void tell_other_name(const std::string& file, int line, const std::string& written,
                        const std::string& expected, const std::string& found);
-  void tell_gap(const ObjFile& obj, std::size_t run, const Names& names, bool is_filled);
+  void tell_gap(const ObjFile& obj, std::size_t run, const Names& names, std::string_view filler);
   Result<std::uint32_t> add_material(const Found& found);
   void tell_unused(const MtlMaterial& material, const Material& added);
   // The image of a map, or null if it has none that can be used.

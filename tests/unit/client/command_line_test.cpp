@@ -155,12 +155,28 @@ TEST_F(CommandLine, AnImageIsNoScene) {
   }
 }
 
+TEST_F(CommandLine, AFolderIsNoSceneButMayHaveSome) {
+  std::filesystem::create_directories(path("models/textures"));
+  for (const char* const file : {"b.pbrt", "c.PLY", "a.obj", "readme.txt", "textures/d.pbrt"})
+    write("models/" + std::string(file), "");
+  std::filesystem::create_directories(path("empty/e.json"));
+  const auto complaint = [&](const std::string& folder) {
+    const ProcessResult result = run_tessera({"render", folder, "-o", path("a.png")});
+    EXPECT_EQ(result.exit_status, 2);
+    return result.err;
+  };
+  const std::string models = path("models");
+  EXPECT_THAT(complaint(models),
+              HasSubstr("SCENE: '" + models + "' is a folder: give a scene file, such as '" + models +
+                        "/b.pbrt', '" + models + "/a.obj', '" + models + "/c.PLY'\n"));
+  EXPECT_THAT(complaint(path("empty")), HasSubstr("is a folder: give a scene file\n"));
+}
+
 TEST_F(CommandLine, FailuresExitWith1AndLeaveNoImage) {
   write("broken.json", "{");
   const std::vector<std::vector<std::string>> failures = {
       {"render", path("missing.json"), "-o", path("a.png")},
       {"render", path("broken.json"), "-o", path("a.png")},
-      {"render", path(""), "-o", path("a.png")},
       {"render", path("scene.json"), "-o", path("no/a.png")},
       {"render", path("scene.json"), "-o", path("a.png"), "--stats", path("no/s.json")},
       {"render", path("scene.json"), "-o", path("a.png"), "-o", path("a.png")},

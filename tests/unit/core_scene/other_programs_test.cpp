@@ -76,8 +76,12 @@ TEST(OtherPrograms, ADefaultMaterialFillsGapsAndAMaterialReplacesAll) {
 }
 
 TEST(OtherPrograms, WithVertexColoursAloneAreToldWhatTheyGet) {
-  const SceneDescription scene =
-      loaded({{"m/a.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n"}});
+  const Files files{{"m/a.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n"}};
+  const SceneDescription ignored = loaded(files, ", \"vertex_colors\": \"ignore\"");
+  EXPECT_EQ(albedo_of(ignored, 0), Rgb::gray(0.5f));
+  EXPECT_EQ(ignored.warnings, Strings{"m/a.obj:4: no 'usemtl' gives this face a material; the default "
+                                      "material, a mid-grey lambert, is used"});
+  const SceneDescription scene = loaded(files);
   EXPECT_EQ(albedo_of(scene, 0), Rgb::gray(1));
   EXPECT_EQ(scene.warnings, Strings{"m/a.obj:4: no 'usemtl' gives this face a material; a white lambert with "
                                     "the vertex colours is used"});
