@@ -146,8 +146,8 @@ class LockHolds : public ScriptedFarm {
     }
     return {beyond, text};
   }
-  // The processor time of a hold has what the kernel does for the thread. On a busy virtual machine that can
-  // be milliseconds, now and then, for no more than a fault of a page.
+  // The processor time of a hold has what the kernel does for the thread. On a busy virtual machine, two of
+  // 125,709 holds took 10 and 25 ms. What is long only once in a test is seen from ten times the bound on.
   void expect_short_holds() {
     const auto [all, text] = holds_beyond(nanoseconds(0));
     EXPECT_LE(holds_beyond(kLongestHold).first, all / 10'000) << text;
