@@ -28,14 +28,15 @@ class RayGroup {
     return core::accel::boxes_met(OneRay{*this, ray}, sides_, FloatVector(limit_[ray]), node, t_near);
   }
 
-  // The distance at which a ray enters the box in a lane that it meets.
+  // The distance at which a ray enters the box in a lane that it meets. In vectors, whose maximum is never
+  // compiled to a branch.
   float entry_into(const BvhNode& node, std::size_t lane, std::size_t ray) const {
-    float near = 0;
+    FloatN near(0.0f);
     for (int axis = 0; axis < 3; ++axis) {
-      const float plane = node.bounds[sides_.near[axis]][lane];
-      near = std::max(near, (plane - origin_[kNear][axis][ray]) * inverse_[axis][ray]);
+      const FloatN plane(node.bounds[sides_.near[axis]][lane]), origin(origin_[kNear][axis][ray]);
+      near = max((plane - origin) * FloatN(inverse_[axis][ray]), near);
     }
-    return near;
+    return near.first();
   }
 
   // Boxes that begin beyond a ray's limit are skipped.

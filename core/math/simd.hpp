@@ -74,6 +74,7 @@ struct FloatN {
   // table[index[i]] in lane i.
   static FloatN gather(const float* table, __m256i index) { return _mm256_i32gather_ps(table, index, 4); }
 
+  float first() const { return _mm256_cvtss_f32(v); }  // the first lane
   void store(float* aligned) const { _mm256_store_ps(aligned, v); }
   void store_unaligned(float* to) const { _mm256_storeu_ps(to, v); }
 };
