@@ -13,8 +13,10 @@
 #include <ctime>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "bench/soups.hpp"
@@ -83,28 +85,34 @@ std::size_t ours_any(const Primitives& primitives, const accel::Bvh& bvh, const 
 // The batch size of a renderer with this many active paths.
 constexpr std::size_t kBatch = 1024;
 
+// As path tracers have them: columns of one batch.
+using Batches = std::vector<Columns<Ray>>;
+
+Batches batches_of(std::span<const Ray> rays) {
+  Batches batches;
+  for (std::size_t i = 0; i < rays.size(); i += kBatch)
+    batches.emplace_back(rays.subspan(i, std::min(kBatch, rays.size() - i)));
+  return batches;
+}
+
 std::size_t ours_closest_batched(const Primitives& primitives, const accel::Bvh& bvh,
-                                 const std::vector<Ray>& rays) {
-  const Columns<Ray> columns{std::span(rays)};
+                                 const Batches& batches) {
   Columns<Hit> answers(kBatch);
+  const ColumnsView<const std::uint32_t> met = std::as_const(answers).all().field(&Hit::primitive);
   std::size_t hits = 0;
-  for (std::size_t i = 0; i < rays.size(); i += kBatch) {
-    const std::size_t count = std::min(kBatch, rays.size() - i);
-    bvh.closest_hits(primitives, columns.all().rows(i, count), answers.all().rows(0, count));
-    for (std::size_t k = 0; k < count; ++k) hits += answers[k].found();
+  for (const Columns<Ray>& rays : batches) {
+    bvh.closest_hits(primitives, rays.all(), answers.all().rows(0, rays.size()));
+    for (std::size_t k = 0; k < rays.size(); ++k) hits += met[k] != kNoPrimitive;
   }
   return hits;
 }
 
-std::size_t ours_any_batched(const Primitives& primitives, const accel::Bvh& bvh,
-                             const std::vector<Ray>& rays) {
-  const Columns<Ray> columns{std::span(rays)};
+std::size_t ours_any_batched(const Primitives& primitives, const accel::Bvh& bvh, const Batches& batches) {
   std::array<accel::Occlusion, kBatch> answers;
   std::size_t hits = 0;
-  for (std::size_t i = 0; i < rays.size(); i += kBatch) {
-    const std::size_t count = std::min(kBatch, rays.size() - i);
-    bvh.occlusions(primitives, columns.all().rows(i, count), {answers.data(), count});
-    for (std::size_t k = 0; k < count; ++k) hits += answers[k] != accel::Occlusion::kNone;
+  for (const Columns<Ray>& rays : batches) {
+    bvh.occlusions(primitives, rays.all(), {answers.data(), rays.size()});
+    for (std::size_t k = 0; k < rays.size(); ++k) hits += answers[k] != accel::Occlusion::kNone;
   }
   return hits;
 }
@@ -262,11 +270,21 @@ struct Trees {
   EmbreeScene high, medium;
 };
 
-// In the order of the columns.
-std::vector<Contender> closest_contenders(const Trees& trees, const std::vector<Ray>& rays,
-                                          const std::vector<RTCRay16>& packets) {
+// The same rays in the form that each query takes.
+struct RayForms {
+  explicit RayForms(const std::vector<Ray>& set)
+      : rays(set), batches(batches_of(set)), packets(embree_packets(set)) {}
+
+  const std::vector<Ray>& rays;
+  Batches batches;
+  std::vector<RTCRay16> packets;
+};
+
+// In the order of the table's columns.
+std::vector<Contender> closest_contenders(const Trees& trees, const RayForms& set) {
+  const auto& [rays, batches, packets] = set;
   return {{[&] { return ours_closest(trees.primitives, trees.bvh, rays); }},
-          {[&] { return ours_closest_batched(trees.primitives, trees.bvh, rays); }},
+          {[&] { return ours_closest_batched(trees.primitives, trees.bvh, batches); }},
           {[&] { return embree_closest(trees.high.get(), rays); }},
           {[&] { return embree_closest(trees.medium.get(), rays); }},
           {[&] { return embree_closest(trees.high.get(), packets, kIncoherent); }},
@@ -275,10 +293,10 @@ std::vector<Contender> closest_contenders(const Trees& trees, const std::vector<
           {[&] { return embree_closest(trees.medium.get(), packets, kCoherent); }}};
 }
 
-std::vector<Contender> any_contenders(const Trees& trees, const std::vector<Ray>& rays,
-                                      const std::vector<RTCRay16>& packets) {
+std::vector<Contender> any_contenders(const Trees& trees, const RayForms& set) {
+  const auto& [rays, batches, packets] = set;
   return {{[&] { return ours_any(trees.primitives, trees.bvh, rays); }},
-          {[&] { return ours_any_batched(trees.primitives, trees.bvh, rays); }},
+          {[&] { return ours_any_batched(trees.primitives, trees.bvh, batches); }},
           {[&] { return embree_any(trees.high.get(), rays); }},
           {[&] { return embree_any(trees.medium.get(), rays); }},
           {[&] { return embree_any(trees.high.get(), packets, kIncoherent); }},
@@ -290,13 +308,14 @@ std::vector<Contender> any_contenders(const Trees& trees, const std::vector<Ray>
 void compare(RTCDevice device, const char* name, const Soup& soup, int rounds, int side, Ratios& ratios) {
   const Trees trees(device, soup);
   const RaySets rays = make_rays(soup, trees.primitives, trees.bvh, side);
-  const auto primary = embree_packets(rays.primary), bounce = embree_packets(rays.bounce),
-             shadow = embree_packets(rays.shadow);
-  print_row(name, "primary", rays.primary.size(), closest_contenders(trees, rays.primary, primary), rounds,
-            ratios);
-  print_row(name, "bounce", rays.bounce.size(), closest_contenders(trees, rays.bounce, bounce), rounds,
-            ratios);
-  print_row(name, "shadow", rays.shadow.size(), any_contenders(trees, rays.shadow, shadow), rounds, ratios);
+  const auto closest = [&](const char* kind, const std::vector<Ray>& set) {
+    const RayForms forms(set);
+    print_row(name, kind, set.size(), closest_contenders(trees, forms), rounds, ratios);
+  };
+  closest("primary", rays.primary);
+  closest("bounce", rays.bounce);
+  const RayForms shadow(rays.shadow);
+  print_row(name, "shadow", rays.shadow.size(), any_contenders(trees, shadow), rounds, ratios);
 }
 
 double geometric_mean(const std::vector<double>& values) {
