@@ -85,7 +85,8 @@ std::size_t ours_any(const Primitives& primitives, const accel::Bvh& bvh, const 
 // The batch size of a renderer with this many active paths.
 constexpr std::size_t kBatch = 1024;
 
-// As path tracers have them: columns of one batch.
+// As path tracers have them: columns of one batch. Queries take a copy, as Embree's do, which write into
+// their rays; so all read rays that are in a cache.
 using Batches = std::vector<Columns<Ray>>;
 
 Batches batches_of(std::span<const Ray> rays) {
@@ -99,9 +100,11 @@ std::size_t ours_closest_batched(const Primitives& primitives, const accel::Bvh&
                                  const Batches& batches) {
   Columns<Hit> answers(kBatch);
   const ColumnsView<const std::uint32_t> met = std::as_const(answers).all().field(&Hit::primitive);
+  Columns<Ray> rays;
   std::size_t hits = 0;
-  for (const Columns<Ray>& rays : batches) {
-    bvh.closest_hits(primitives, rays.all(), answers.all().rows(0, rays.size()));
+  for (const Columns<Ray>& batch : batches) {
+    rays = batch;
+    bvh.closest_hits(primitives, std::as_const(rays).all(), answers.all().rows(0, rays.size()));
     for (std::size_t k = 0; k < rays.size(); ++k) hits += met[k] != kNoPrimitive;
   }
   return hits;
@@ -109,9 +112,11 @@ std::size_t ours_closest_batched(const Primitives& primitives, const accel::Bvh&
 
 std::size_t ours_any_batched(const Primitives& primitives, const accel::Bvh& bvh, const Batches& batches) {
   std::array<accel::Occlusion, kBatch> answers;
+  Columns<Ray> rays;
   std::size_t hits = 0;
-  for (const Columns<Ray>& rays : batches) {
-    bvh.occlusions(primitives, rays.all(), {answers.data(), rays.size()});
+  for (const Columns<Ray>& batch : batches) {
+    rays = batch;
+    bvh.occlusions(primitives, std::as_const(rays).all(), {answers.data(), rays.size()});
     for (std::size_t k = 0; k < rays.size(); ++k) hits += answers[k] != accel::Occlusion::kNone;
   }
   return hits;
