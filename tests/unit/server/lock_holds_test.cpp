@@ -63,7 +63,7 @@ class LockHolds : public ScriptedFarm {
  protected:
   LockHolds() {
     hold_clock_ = processor_time;
-    limits_.open_jobs = 2 * kJobs;
+    limits_.open_jobs = 4 * kJobs;
     open();
   }
 
@@ -147,11 +147,20 @@ class LockHolds : public ScriptedFarm {
     return {beyond, text};
   }
   // The processor time of a hold has what the kernel does for the thread. On a busy virtual machine, two of
-  // 125,709 holds took 10 and 25 ms. What is long only once in a test is seen from ten times the bound on.
-  void expect_short_holds() {
-    const auto [all, text] = holds_beyond(nanoseconds(0));
-    EXPECT_LE(holds_beyond(kLongestHold).first, all / 10'000) << text;
-    EXPECT_EQ(holds_beyond(10 * kLongestHold).first, 0u) << text;
+  // 125,709 holds took 10 and 25 ms, and one of 6,000 took 10. What the code makes long is long each time, so
+  // a scenario, which begins to count, has three tries.
+  void expect_short_holds(const std::function<void()>& scenario) {
+    constexpr int kTries = 3;
+    std::string seen;
+    for (int attempt = 0; attempt < kTries; ++attempt) {
+      scenario();
+      if (HasFatalFailure()) return;
+      const auto [all, text] = holds_beyond(nanoseconds(0));
+      if (holds_beyond(kLongestHold).first <= all / 10'000 && holds_beyond(10 * kLongestHold).first == 0)
+        return;
+      seen += text;
+    }
+    ADD_FAILURE() << "long holds in each of " << kTries << " tries:\n" << seen;
   }
 
  private:
@@ -177,69 +186,73 @@ class Meanwhile {
 };
 
 TEST_F(LockHolds, AreShortWhileManyWorkersRenderManyJobsThatAreListedAndALargeOneIsDeleted) {
-  const std::string large = submit_of_size(kLargePx, 2);
-  const std::string watched = submit_of_size(kLargePx, 2);
-  coordinator_.reset();
-  store_first_samples(large);
-  store_first_samples(watched);
-  open();
-  ASSERT_EQ(job(large).samples_done(), std::uint64_t{kLargePx} * kLargePx / kTilesForOneStored);
-  begin_to_count();  // nobody waits while jobs are restored
-  for (int i = 0; i < kJobs; ++i) submit();
-  std::vector<WaitingCall> calls;
-  {
-    Meanwhile meanwhile;
-    for (int i = 0; i < 4; ++i) meanwhile.repeat([&] { download(watched); });
-    meanwhile.repeat([&] { EXPECT_TRUE(coordinator().checkpointer().checkpoint()); });
-    meanwhile.repeat([&] { coordinator().dispatcher().tick(); });
-    meanwhile.repeat([&] { list_everything(); });
-    calls = call_of_each_worker();
-    EXPECT_TRUE(coordinator().jobs().remove(large));
-    for (int worker = 0; worker < kWorkers; worker += 10) {
-      const WaitingCall& call = calls[static_cast<std::size_t>(worker)];
-      ASSERT_TRUE(call.answered() && call.answer());
-      for (const v1::Lease& lease : call.answer()->leases()) {
-        v1::SubmitResultRequest result = delivery('a', lease);
-        result.set_worker_id(greeting_of(worker).worker_id());
-        static_cast<void>(deliver(result));
+  expect_short_holds([&] {
+    const std::string large = submit_of_size(kLargePx, 2);
+    const std::string watched = submit_of_size(kLargePx, 2);
+    coordinator_.reset();
+    store_first_samples(large);
+    store_first_samples(watched);
+    open();
+    ASSERT_EQ(job(large).samples_done(), std::uint64_t{kLargePx} * kLargePx / kTilesForOneStored);
+    begin_to_count();  // nobody waits while jobs are restored
+    for (int i = 0; i < kJobs; ++i) submit();
+    std::vector<WaitingCall> calls;
+    {
+      Meanwhile meanwhile;
+      for (int i = 0; i < 4; ++i) meanwhile.repeat([&] { download(watched); });
+      meanwhile.repeat([&] { EXPECT_TRUE(coordinator().checkpointer().checkpoint()); });
+      meanwhile.repeat([&] { coordinator().dispatcher().tick(); });
+      meanwhile.repeat([&] { list_everything(); });
+      calls = call_of_each_worker();
+      EXPECT_TRUE(coordinator().jobs().remove(large));
+      for (int worker = 0; worker < kWorkers; worker += 10) {
+        const WaitingCall& call = calls[static_cast<std::size_t>(worker)];
+        ASSERT_TRUE(call.answered() && call.answer());
+        for (const v1::Lease& lease : call.answer()->leases()) {
+          v1::SubmitResultRequest result = delivery('a', lease);
+          result.set_worker_id(greeting_of(worker).worker_id());
+          static_cast<void>(deliver(result));
+        }
       }
     }
-  }
-  const auto [listed_jobs, listed_workers] = list_everything();
-  EXPECT_GE(listed_jobs, std::size_t{kJobs});
-  EXPECT_GE(listed_workers, std::size_t{kWorkers});
-  expect_short_holds();
+    const auto [listed_jobs, listed_workers] = list_everything();
+    EXPECT_GE(listed_jobs, std::size_t{kJobs});
+    EXPECT_GE(listed_workers, std::size_t{kWorkers});
+  });
 }
 
 TEST_F(LockHolds, AreShortWhenAllWorkersAreAnsweredOrLostAtOnce) {
-  begin_to_count();
-  const std::vector<WaitingCall> idle = call_of_each_worker();
-  const std::string id = submit_of_size(2048, 6);
-  for (const WaitingCall& call : idle) ASSERT_TRUE(call.answered()) << "there is work for all";
-  ASSERT_TRUE(coordinator().jobs().cancel(id));
-  const std::vector<WaitingCall> waiting = call_of_each_worker();
-  for (const WaitingCall& call : waiting) ASSERT_FALSE(call.answered());
-  now_ += std::chrono::seconds(4);
-  coordinator().dispatcher().tick();
-  for (const WaitingCall& call : waiting) ASSERT_TRUE(call.answered());
-  now_ += std::chrono::seconds(10);
-  for (int tick = 0; tick < kWorkers && silent_workers() < kWorkers; ++tick)
+  expect_short_holds([&] {
+    begin_to_count();
+    const std::vector<WaitingCall> idle = call_of_each_worker();
+    const std::string id = submit_of_size(2048, 6);
+    for (const WaitingCall& call : idle) ASSERT_TRUE(call.answered()) << "there is work for all";
+    ASSERT_TRUE(coordinator().jobs().cancel(id));
+    const std::vector<WaitingCall> waiting = call_of_each_worker();
+    for (const WaitingCall& call : waiting) ASSERT_FALSE(call.answered());
+    now_ += std::chrono::seconds(4);
     coordinator().dispatcher().tick();
-  EXPECT_EQ(silent_workers(), kWorkers);
-  expect_short_holds();
+    for (const WaitingCall& call : waiting) ASSERT_TRUE(call.answered());
+    now_ += std::chrono::seconds(10);
+    for (int tick = 0; tick < kWorkers && silent_workers() < kWorkers; ++tick)
+      coordinator().dispatcher().tick();
+    EXPECT_EQ(silent_workers(), kWorkers);
+  });
 }
 
 TEST_F(LockHolds, AreShortWhenAllJobsFailForALostFile) {
-  std::vector<std::string> ids;
-  for (int i = 0; i < kJobs; ++i) ids.push_back(submit());
-  const std::vector<WaitingCall> calls = call_of_each_worker();
-  const proto::Digest scene = proto::digest_of(kSceneBytes);
-  coordinator().blobs().discard(scene);
-  begin_to_count();
-  coordinator().jobs().blob_is_lost(scene, {core::ErrorCode::kNotFound, "gone"});
-  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
-  for (const std::string& id : ids) ASSERT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
-  expect_short_holds();
+  expect_short_holds([&] {
+    std::vector<std::string> ids;
+    for (int i = 0; i < kJobs; ++i) ids.push_back(submit());
+    const std::vector<WaitingCall> calls = call_of_each_worker();
+    const proto::Digest scene = proto::digest_of(kSceneBytes);
+    coordinator().blobs().discard(scene);
+    begin_to_count();
+    coordinator().jobs().blob_is_lost(scene, {core::ErrorCode::kNotFound, "gone"});
+    ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+    for (const std::string& id : ids) ASSERT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
+    store_scene();
+  });
 }
 
 TEST_F(LockHolds, AreSeenWhereTheyAreLong) {

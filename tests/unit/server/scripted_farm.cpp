@@ -130,6 +130,10 @@ v1::SubmitResultRequest delivery_with_key(char worker, const v1::Lease& lease) {
 
 ScriptedFarm::ScriptedFarm() {
   open();
+  store_scene();
+}
+
+void ScriptedFarm::store_scene() {
   auto writer = coordinator().blobs().write(proto::digest_of(kSceneBytes));
   EXPECT_TRUE(writer && writer->append(kSceneBytes) && writer->commit());
 }

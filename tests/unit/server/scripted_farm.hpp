@@ -53,6 +53,8 @@ class ScriptedFarm : public testing::Test {
   // Closes the coordinator, if there is one, and opens one on `folder`.
   void open(const std::filesystem::path& folder);
   void open() { open(folder_.path() / "state"); }
+  // Stores the file of the jobs that are submitted.
+  void store_scene();
   Coordinator& coordinator() { return *coordinator_; }
 
   // Submits a job and validates its scene. Returns the job's id.
