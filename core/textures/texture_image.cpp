@@ -148,11 +148,9 @@ TextureImage::TextureImage(int width, int height, const std::vector<std::uint8_t
   texels_.tiles = empty_tiles();
   const std::uint8_t* next = bytes.data();
   const auto columns = static_cast<std::uint32_t>(width), rows = static_cast<std::uint32_t>(height);
-  for (std::uint32_t y = 0; y < rows; ++y) {
-    Tile* const tiles = texels_.tiles.data() + std::size_t{y / 4} * tiles_along(width);
+  for (std::uint32_t y = 0; y < rows; ++y)
     for (std::uint32_t x = 0; x < columns; ++x, next += 3)
-      tiles[x / 4].texels[y % 4 * 4 + x % 4] = pack(next[0], next[1], next[2], 0);
-  }
+      texel_of(texels_.tiles, place_of(x, y)) = pack(next[0], next[1], next[2], 0);
 }
 
 TextureImage::TextureImage(int width, int height, std::vector<float> linear)
@@ -324,24 +322,6 @@ Rgb TextureImage::mean() const {
 }
 
 Rgb TextureImage::largest() const {
-  const bool in_codes = texels_.format == Format::kSrgbBytes || texels_.format == Format::kLinearBytes;
-  return in_codes ? largest_of_codes() : largest_of_texels();
-}
-
-// Greater codes are greater values; what fills the last tiles is zero.
-Rgb TextureImage::largest_of_codes() const {
-  std::uint32_t r = 0, g = 0, b = 0;
-  for (const Tile& tile : texels_.tiles)
-    for (const std::uint32_t texel : tile.texels) {
-      r = std::max(r, texel & 0xffu);
-      g = std::max(g, texel & 0xff00u);
-      b = std::max(b, texel & 0xff0000u);
-    }
-  const auto [values, unit] = decoding();
-  return decode_color<float>(r | g | b, values, unit);
-}
-
-Rgb TextureImage::largest_of_texels() const {
   Rgb largest;
   for (int y = 0; y < height(); ++y)
     for (int x = 0; x < width(); ++x) {

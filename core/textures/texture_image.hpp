@@ -69,8 +69,6 @@ class TextureImage {
  private:
   class InLanes;
 
-  Rgb largest_of_codes() const;  // of bytes without exponents
-  Rgb largest_of_texels() const;
   Rgb fetch(std::uint32_t x, std::uint32_t y) const;
   // The table entries that decode the bytes of a texel.
   struct Decoding {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Textures and environments in lanes are to the bit what each is alone.
-#include <algorithm>
 #include <array>
 #include <limits>
 #include <memory>
@@ -30,19 +29,6 @@ std::vector<std::shared_ptr<const TextureImage>> images_of_every_format() {
           std::make_shared<TextureImage>(1, 1, std::vector<std::uint8_t>{10, 100, 200}),
           std::make_shared<TextureImage>(1, 1, std::vector<float>{0.1f, 2, 3}),
           std::make_shared<TextureImage>(kWidth, kHeight, odd)};
-}
-
-// The last row and column of tiles are not full.
-TEST(TextureImage, LargestIsThatOfItsTexels) {
-  for (const auto& image : images_of_every_format()) {
-    Rgb largest;
-    for (int y = 0; y < image->height(); ++y)
-      for (int x = 0; x < image->width(); ++x) {
-        const Rgb texel = image->texel(x, y);
-        largest = {std::max(largest.r, texel.r), std::max(largest.g, texel.g), std::max(largest.b, texel.b)};
-      }
-    EXPECT_EQ(image->largest(), largest) << static_cast<int>(image->texels().format);
-  }
 }
 
 TEST_F(VertexLanes, OfTextures) {
