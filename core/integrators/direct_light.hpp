@@ -10,8 +10,9 @@
 namespace tessera::core::integrators {
 
 // A number in [0, 1) with 48 bits from two of 24, so that weak lights among strong ones can be sampled.
-inline double combine_uniforms(float coarse, float fine) {
-  return static_cast<double>(coarse) + static_cast<double>(fine) * 0x1p-24;
+template <typename T>
+WideOf<T> combine_uniforms(T coarse, T fine) {
+  return widened(coarse) + widened(fine) * 0x1p-24;
 }
 
 // The light reflected along wo from the light's radiance: BSDF * cosine * radiance, not yet divided by the

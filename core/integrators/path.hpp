@@ -104,13 +104,16 @@ class PathTracer {
     return through_panes_ && depth != kAtLens && depth < static_cast<int>(kListsByDepth);
   }
   bool is_straight(RowView<PathState> state) const;
-  float straight_weight(std::uint32_t light, RowView<PathState> state) const;
+  float straight_weight(RowView<PathState> state) const;
   void add_straight(RenderCounters& counters, int depth);
   float camera_ray_weight(RowView<PathState> state, const EmitterHit& hit, float light_pdf) const;
   template <typename Pdf>
   float emitter_hit_weight(std::uint32_t light, RowView<PathState> state, Pdf pdf) const;
-  float light_sample_pdf(const lights::LightSampleContext& from, std::uint32_t light, Vec3 wi,
-                         float pdf) const;
+  FloatN environment_hit_weight(const Paths& paths, const lights::LightSampleContexts& last,
+                                Vec3Of<FloatN> wi, FloatN pdf) const;
+  float light_sample_pdf(const lights::LightSampleContext& from, std::uint32_t light, float pdf) const;
+  template <typename T>
+  T environment_sample_pdf(const lights::LightSampleContextOf<T>& from, Vec3Of<T> wi, T pdf) const;
   using Guidance = guiding::LightGuide::GuidanceOf<FloatN>;
   template <typename Vertices>
   Guidance guidance_at(const Vertices& vertices) const;
@@ -120,14 +123,13 @@ class PathTracer {
   // Light samples of vertices, and their densities.
   struct LightConnections {
     lights::LightSamples lights;
-    WordLanes chosen;  // the light of each lane
-    FloatN pdf;        // per solid angle, with that of the choice
+    U32xN chosen;  // the light of each lane
+    FloatN pdf;    // per solid angle, with that of the choice
   };
   LightConnections sample_lights(const Paths& paths, const lights::LightSampleContexts& from, unsigned lit,
                                  int depth) const;
   LightConnections sample_chosen_lights(const Paths& paths, const lights::LightSampleContexts& from,
-                                        Vec2Of<FloatN> u, const std::array<double, kLaneCount>& u_light,
-                                        unsigned lit) const;
+                                        Vec2Of<FloatN> u, DoubleN u_light, unsigned lit) const;
   void guide_to_environment(const lights::LightSampleContexts& from,
                             const EnvironmentGuide::GuidanceOf<FloatN>& guidance, MaskN guided,
                             Vec2Of<FloatN> u, LightConnections& connections) const;

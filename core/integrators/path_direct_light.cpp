@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // What PathTracer adds of light that light samples find.
-#include <bit>
 #include <cassert>
 #include <vector>
 
@@ -15,17 +14,10 @@ namespace tessera::core::integrators {
 namespace {
 
 // The lanes that sample the environment by its guide. In the others the numbers become uniform again.
-unsigned choose_guided(const EnvironmentGuide::GuidanceOf<FloatN>& guidance,
-                       std::array<double, kLaneCount>& u_light) {
-  const FloatLanes shares(guidance.share);
-  unsigned guided = 0;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    const auto share = static_cast<double>(shares[lane]);
-    if (u_light[lane] < share)
-      guided |= 1u << lane;
-    else if (share > 0)
-      u_light[lane] = (u_light[lane] - share) / (1 - share);
-  }
+MaskN choose_guided(const EnvironmentGuide::GuidanceOf<FloatN>& guidance, DoubleN& u_light) {
+  const DoubleN share = widened(guidance.share);
+  const MaskN guided = u_light < share;
+  u_light = select((share > 0) & !guided, (u_light - share) / (1 - share), u_light);
   return guided;
 }
 
@@ -51,7 +43,7 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
   added.put(&Connection::path, paths.path.all());
   added.put(&Connection::radiance,
             paths.throughput * (scattered.value * lights.radiance) * (weight / light_pdf));
-  added.put(&Connection::light, chosen.all());
+  added.put(&Connection::light, chosen);
 }
 
 // In lanes whose bits are set in `lit`.
@@ -59,39 +51,31 @@ PathTracer::LightConnections PathTracer::sample_lights(const Paths& paths,
                                                        const lights::LightSampleContexts& from, unsigned lit,
                                                        int depth) const {
   const auto u = numbers(paths, depth, sampling::light_pad);
-  const FloatLanes coarse(u[2]), fine(u[3]);
-  std::array<double, kLaneCount> u_light;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-    u_light[lane] = combine_uniforms(coarse[lane], fine[lane]);
+  DoubleN u_light = combine_uniforms(u[2], u[3]);
   if (environment_guide_ == nullptr) return sample_chosen_lights(paths, from, {u[0], u[1]}, u_light, lit);
   const EnvironmentGuide::GuidanceOf<FloatN> guidance = environment_guide_->at(from);
-  const unsigned guided = lit & choose_guided(guidance, u_light);
-  LightConnections connections = sample_chosen_lights(paths, from, {u[0], u[1]}, u_light, lit & ~guided);
-  if (any(guidance.share > 0))
-    guide_to_environment(from, guidance, MaskN::from_bits(guided), {u[0], u[1]}, connections);
+  const MaskN guided = MaskN::from_bits(lit) & choose_guided(guidance, u_light);
+  LightConnections connections =
+      sample_chosen_lights(paths, from, {u[0], u[1]}, u_light, lit & ~guided.bits());
+  if (any(guidance.share > 0)) guide_to_environment(from, guidance, guided, {u[0], u[1]}, connections);
   return connections;
 }
 
 // Lanes whose bits are set in `lit` choose by u_light.
 PathTracer::LightConnections PathTracer::sample_chosen_lights(const Paths& paths,
                                                               const lights::LightSampleContexts& from,
-                                                              Vec2Of<FloatN> u,
-                                                              const std::array<double, kLaneCount>& u_light,
+                                                              Vec2Of<FloatN> u, DoubleN u_light,
                                                               unsigned lit) const {
-  const auto choices = light_sampler_.sample(from, u_light, lit, compensation_);
+  const auto [light, pmf] = light_sampler_.sample(from, DoubleLanes(u_light), lit, compensation_);
+  const WordLanes of_lights(light);
   std::array<const lights::Light*, kLaneCount> chosen{};
-  WordLanes of_lights;
-  FloatLanes pmf;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    const auto& [light, chance] = choices[lane];
-    if ((lit >> lane & 1) != 0 && light != lights::kNoLight) chosen[lane] = &scene_.lights()[light];
-    of_lights.set(lane, light);
-    pmf.set(lane, chance);
-  }
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    if ((lit >> lane & 1) != 0 && of_lights[lane] != lights::kNoLight)
+      chosen[lane] = &scene_.lights()[of_lights[lane]];
   const lights::LightSamples samples =
       lights::sample_lights(chosen, scene_.textures(), from, u, compensation_,
                             scene_.has_motion() ? paths.rays.all(&Ray::time) : 0.0f);
-  return {samples, of_lights, pmf.all() * samples.pdf};
+  return {samples, light, pmf * samples.pdf};
 }
 
 // Replaces the samples of guided lanes, and the densities of all where there is guidance.
@@ -111,19 +95,11 @@ void PathTracer::guide_to_environment(const lights::LightSampleContexts& from,
     lights.found = (guided & !is_black(seen.radiance)) | (lights.found & !guided);
     lights.delta = lights.delta & !guided;
     lights.distant = lights.distant | guided;
-    const Vec3Lanes positions(from.position), normals(from.normal);
-    FloatLanes pmf(0.0f);
-    for (unsigned lanes = guided.bits(); lanes != 0; lanes &= lanes - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-      connections.chosen.set(lane, environment);
-      pmf.set(lane, light_sampler_.pmf({positions[lane], normals[lane]}, environment, compensation_));
-    }
-    chosen_pdf = select(guided, pmf.all() * seen.pdf, chosen_pdf);
+    connections.chosen = select(guided, U32xN(environment), connections.chosen);
+    chosen_pdf = select(guided, light_sampler_.environment_pmf(from, compensation_) * seen.pdf, chosen_pdf);
   }
-  unsigned environments = 0;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-    environments |= (connections.chosen[lane] == environment ? 1u : 0u) << lane;
-  const FloatN by_guide = select(MaskN::from_bits(environments), guidance.share * guide_pdf, FloatN(0.0f));
+  const FloatN by_guide =
+      select(connections.chosen == U32xN(environment), guidance.share * guide_pdf, FloatN(0.0f));
   connections.pdf = select(mixed, (1 - guidance.share) * chosen_pdf + by_guide, connections.pdf);
 }
 

@@ -14,14 +14,13 @@ void PathTracer::add_environment(const Paths& paths, int depth) {
   const std::uint32_t light = scene_.environment_light();
   if (light == lights::kNoLight || (depth == 0 && !scene_.environment().visible_to_camera())) return;
   const lights::LightSampleContexts last = paths.states.all(&PathState::last);
-  const lights::Environment::Seen seen =
-      scene_.environment().see(last.normal, paths.rays.all(&Ray::direction), compensation_);
+  const Vec3Of<FloatN> wi = paths.rays.all(&Ray::direction);
+  const lights::Environment::Seen seen = scene_.environment().see(last.normal, wi, compensation_);
   const RgbLanes radiance(seen.radiance);
-  const FloatLanes pdf(seen.pdf);
+  const FloatLanes weights(environment_hit_weight(paths, last, wi, seen.pdf));
   for (std::size_t lane = 0; lane < paths.count; ++lane) {
     const RowView<PathState> state = paths.states.at(lane);
-    const float weight = is_straight(state) ? straight_weight(light, state)
-                                            : emitter_hit_weight(light, state, [&] { return pdf[lane]; });
+    const float weight = is_straight(state) ? straight_weight(state) : weights[lane];
     if (weight > 0)
       add(paths.path[lane], state.get(&PathState::throughput) * radiance[lane] * weight, depth, light,
           LightParts::Source::kEnvironment);
@@ -70,22 +69,42 @@ float PathTracer::emitter_hit_weight(std::uint32_t light, RowView<PathState> sta
   if (last_pdf == kDeltaPdf || settings_.integrator == Integrator::kNaive) return 1;
   const float scale = state.get(&PathState::emitter_mis_scale);
   if (settings_.integrator == Integrator::kNee || scale == 0) return 0;
-  const float light_pdf =
-      light_sample_pdf(state.get(&PathState::last), light, state.get(&PathState::ray).direction, pdf());
+  const float light_pdf = light_sample_pdf(state.get(&PathState::last), light, pdf());
   return scale * mis_weight(settings_.heuristic, last_pdf, light_pdf);
 }
 
-// The density with which light samples of the point find the light in the unit direction `wi`. `pdf` is that
-// of the direction, given the light.
-float PathTracer::light_sample_pdf(const lights::LightSampleContext& from, std::uint32_t light, Vec3 wi,
+// The same for the environment, of rays that have escaped in the unit directions `wi`.
+FloatN PathTracer::environment_hit_weight(const Paths& paths, const lights::LightSampleContexts& last,
+                                          Vec3Of<FloatN> wi, FloatN pdf) const {
+  const FloatN last_pdf = paths.states.all(&PathState::last_pdf);
+  const MaskN only_bsdf = last_pdf == kDeltaPdf;
+  if (settings_.integrator == Integrator::kNaive || all(only_bsdf)) return 1.0f;
+  if (settings_.integrator == Integrator::kNee) return select(only_bsdf, FloatN(1.0f), FloatN(0.0f));
+  const FloatN scale = paths.states.all(&PathState::emitter_mis_scale);
+  const FloatN weight =
+      scale * mis_weight(settings_.heuristic, last_pdf, environment_sample_pdf(last, wi, pdf));
+  return select(only_bsdf, FloatN(1.0f), select(scale == 0, FloatN(0.0f), weight));
+}
+
+// The density with which light samples of the point find an area light in a direction of the density `pdf`,
+// given the light.
+float PathTracer::light_sample_pdf(const lights::LightSampleContext& from, std::uint32_t light,
                                    float pdf) const {
   const float chosen_pdf = light_sampler_.pmf(from, light, compensation_) * pdf;
+  return environment_guide_ == nullptr ? chosen_pdf : (1 - environment_guide_->at(from).share) * chosen_pdf;
+}
+
+// The same for the environment in the unit direction `wi`.
+template <typename T>
+T PathTracer::environment_sample_pdf(const lights::LightSampleContextOf<T>& from, Vec3Of<T> wi, T pdf) const {
+  const T chosen_pdf = light_sampler_.environment_pmf(from, compensation_) * pdf;
   if (environment_guide_ == nullptr) return chosen_pdf;
   const auto guidance = environment_guide_->at(from);
-  if (!(guidance.share > 0)) return chosen_pdf;
-  const float others_pdf = (1 - guidance.share) * chosen_pdf;
-  if (light != scene_.environment_light()) return others_pdf;
-  return others_pdf + guidance.share * environment_guide_->sample_or(guidance, false, {}, wi).pdf;
+  const MaskOf<T> guided = guidance.share > 0;
+  if (!any(guided)) return chosen_pdf;
+  const T guide_pdf = environment_guide_->sample_or(guidance, false, {}, wi).pdf;
+  return select(guided, (1 - guidance.share) * chosen_pdf + guidance.share * guide_pdf, chosen_pdf);
 }
+template float PathTracer::environment_sample_pdf(const lights::LightSampleContext&, Vec3, float) const;
 
 }  // namespace tessera::core::integrators

@@ -51,14 +51,14 @@ bool PathTracer::is_straight(RowView<PathState> state) const {
                                         normalize(state.get(&PathState::ray).direction));
 }
 
-// The weight of straight light, against light samples of the vertex before the panes.
-float PathTracer::straight_weight(std::uint32_t light, RowView<PathState> state) const {
+// The weight of straight light of the environment, against light samples of the vertex before the panes.
+float PathTracer::straight_weight(RowView<PathState> state) const {
   const float scale = state.get(&PathState::emitter_mis_scale);
   if (settings_.integrator == Integrator::kNee || scale == 0) return 0;
   const lights::LightSampleContext last = state.get(&PathState::last);
   const Vec3 wi = state.get(&PathState::straight);
   const float light_pdf =
-      light_sample_pdf(last, light, wi, scene_.environment().pdf(last.normal, wi, compensation_));
+      environment_sample_pdf(last, wi, scene_.environment().pdf(last.normal, wi, compensation_));
   return scale * mis_weight(settings_.heuristic, state.get(&PathState::straight_pdf), light_pdf);
 }
 

@@ -15,7 +15,6 @@
 //   whose light is mostly that of its sun are weighed by irradiance.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -23,12 +22,14 @@
 #include "core/lights/light.hpp"
 #include "core/lights/light_tree.hpp"
 #include "core/math/lane_array.hpp"
+#include "core/math/word_lanes.hpp"
 
 namespace tessera::core::lights {
 
 class LightSampler {
  public:
   using Choice = LightTree::Choice;
+  using ChoicesInLanes = LightTree::ChoicesInLanes;
   // The set of candidate lights.
   enum class Among { kAll, kDelta };
 
@@ -45,14 +46,15 @@ class LightSampler {
   // point.
   Choice sample(const LightSampleContext& point, double u,
                 MisCompensation compensation = MisCompensation::kOff) const;
-  // Samples for points in lanes; each lane equals the above. Lanes whose bit in `asked` is not set stay
-  // empty.
-  std::array<Choice, kLaneCount> sample(const LightSampleContexts& points,
-                                        const std::array<double, kLaneCount>& u, unsigned asked,
-                                        MisCompensation compensation = MisCompensation::kOff) const;
+  // Samples for points in lanes; each lane whose bit in `asked` is set equals the above.
+  ChoicesInLanes sample(const LightSampleContexts& points, const DoubleLanes& u, unsigned asked,
+                        MisCompensation compensation = MisCompensation::kOff) const;
   // The probability with which sample() chooses the light; 0 if it never does.
   float pmf(const LightSampleContext& point, std::uint32_t light,
             MisCompensation compensation = MisCompensation::kOff) const;
+  // That of the environment, which is among the candidates.
+  template <typename T>
+  T environment_pmf(const LightSampleContextOf<T>& point, MisCompensation compensation) const;
 
  private:
   // A directional light.
@@ -65,38 +67,62 @@ class LightSampler {
     std::uint32_t light;
     std::vector<EnvironmentDistribution::Importance> by_facing;  // by normal_bin()
   };
-  // Values at a point that do not depend on the light, cached before a light is chosen there.
-  struct ShadingPointCache {
-    LightSampleContext point;
-    LightTree::Weights root;
-    std::uint32_t facing;  // normal_bin() of its normal; kAllSides if there is no environment light
+  // Values at a point that do not depend on the light.
+  template <typename T>
+  struct ShadingPointOf {
+    LightSampleContextOf<T> context;
+    LightTree::WeightsOf<T> root;
+    WordOf<T> facing;  // normal_bin() of its normal; kAllSides if there is no environment light
     MisCompensation compensation;
   };
+  using ShadingPoint = ShadingPointOf<float>;
   // What a candidate counts in the choice: its estimated contribution, and its part of the choices that do
   // not go by contribution, in [0, 1].
-  struct Weight {
-    double irradiance = 0, even = 0;
+  template <typename T>
+  struct WeightOf {
+    WideOf<T> irradiance, even;
   };
   // The weights of the tree and of the environment, and the sums over these and the distant lights.
-  struct Weights {
-    Weight tree, environment, sum;
+  template <typename T>
+  struct WeightsOf {
+    WeightOf<T> tree, environment, sum;
+  };
+  // A choice by place. In lanes of `in_tree`, the light is yet to be chosen in the tree, by u, and pmf is the
+  // tree's.
+  template <typename T>
+  struct PlaceChoiceOf {
+    WordOf<T> light;
+    T pmf;
+    MaskOf<T> in_tree;
+    WideOf<T> u;
   };
 
-  ShadingPointCache shading_point_cache(const LightSampleContext& point, MisCompensation compensation) const;
-  static Weight weight(double irradiance) { return {irradiance, irradiance > 0 ? 1.0 : 0.0}; }
-  static Weight weight(const Distant& distant, const ShadingPointCache& at);
-  Weight environment_weight(const ShadingPointCache& at, double others) const;
-  Weights weights(const ShadingPointCache& at) const;
-  static double share(const Weights& all, const Weight& weight);
+  template <typename T>
+  ShadingPointOf<T> shading_point(const LightSampleContextOf<T>& context, MisCompensation compensation) const;
+  template <typename T>
+  static WeightOf<T> weight(WideOf<T> irradiance);
+  template <typename T>
+  static WideOf<T> share(const WeightOf<T>& sum, const WeightOf<T>& weight);
+  template <typename T>
+  static WeightOf<T> weight(const Distant& distant, const ShadingPointOf<T>& at);
+  template <typename T>
+  WeightOf<T> environment_weight(const ShadingPointOf<T>& at, WideOf<T> others) const;
+  template <typename T>
+  WeightsOf<T> weights(const ShadingPointOf<T>& at) const;
+  template <typename T>
+  PlaceChoiceOf<T> choose_by_place(const ShadingPointOf<T>& at, WideOf<T> u) const;
+  void choose_uniformly(const ShadingPointOf<FloatN>& at, const DoubleLanes& u, unsigned lanes,
+                        ChoicesInLanes& choices) const;
+  bool spares_environment(MisCompensation compensation) const;
   // The number of lights among which choices are uniform, and the probability of each of them.
   std::size_t uniform_count(MisCompensation compensation) const;
   double uniform_pmf(MisCompensation compensation) const;
-  bool spared(std::uint32_t light, MisCompensation compensation) const;
-  float with_uniform(const ShadingPointCache& at, const Choice& by_place) const;
-  Choice sample_at(const ShadingPointCache& at, double u) const;
-  Choice sample_by_place(const ShadingPointCache& at, double u) const;
+  // The light of a u that chooses uniformly.
+  std::uint32_t uniform_light(double u, MisCompensation compensation) const;
+  template <typename T>
+  T with_uniform(WordOf<T> light, T pmf_by_place, MisCompensation compensation) const;
   // Nothing for lights outside the candidates.
-  std::optional<float> pmf_by_place(const ShadingPointCache& at, std::uint32_t light) const;
+  std::optional<float> pmf_by_place(const ShadingPoint& at, std::uint32_t light) const;
 
   std::vector<std::uint32_t> members_;  // the environment last
   LightTree tree_;

@@ -2,8 +2,9 @@
 #include "core/lights/light_tree.hpp"
 
 #include <algorithm>
+#include <bit>
 
-#include "core/math/simd.hpp"
+#include "core/math/lane_array.hpp"
 
 namespace tessera::core::lights {
 namespace {
@@ -40,11 +41,6 @@ FloatN load(const std::array<float, LightTree::kWidth>& lanes) {
 
 Vec3Of<FloatN> load(const std::array<float, LightTree::kWidth> (&lanes)[3]) {
   return {load(lanes[0]), load(lanes[1]), load(lanes[2])};
-}
-
-// Whether the tree has a single light, which needs no weights: lanes without a child hold 0.
-bool single_leaf(const auto& nodes) {
-  return nodes.size() == 1 && nodes[0].children[1] == 0;
 }
 
 }  // namespace
@@ -115,6 +111,13 @@ void LightTree::Weights::add_up() {
   for (std::size_t lane = 0; lane < kWidth; ++lane) sums[lane] = sum += static_cast<double>(lanes[lane]);
 }
 
+LightTree::Weights LightTree::WeightsInLanes::operator[](std::size_t lane) const {
+  Weights weights;
+  for (std::size_t child = 0; child < kWidth; ++child) weights.lanes[child] = of_children_[child][lane];
+  weights.add_up();
+  return weights;
+}
+
 LightTree::Weights LightTree::weigh(const Node& node, const LightSampleContext& point) {
   const auto [p, n] = point;
   Weights weights;
@@ -128,41 +131,95 @@ LightTree::Weights LightTree::weigh_root(const LightSampleContext& point) const 
 }
 
 // Processes one child at a time, since few trees have eight children at their root.
-std::array<LightTree::Weights, LightTree::kWidth> LightTree::weigh_root(
-    const LightSampleContexts& points) const {
-  std::array<Weights, kWidth> weights{};
+LightTree::WeightsInLanes LightTree::weigh_root(const LightSampleContexts& points) const {
+  WeightsInLanes weights;
   if (empty()) return weights;
   for (std::size_t child = 0; child < kWidth && nodes_[0].children[child] != 0; ++child) {
-    alignas(32) Lanes of_points;
-    Children(nodes_[0], child).weights(points).store(of_points.data());
-    for (std::size_t i = 0; i < kWidth; ++i) weights[i].lanes[child] = of_points[i];
+    const FloatN of_child = Children(nodes_[0], child).weights(points);
+    of_child.store(weights.of_children_[child].data());
+    weights.sum_ = weights.sum_ + widened(of_child);
   }
-  for (Weights& of_point : weights) of_point.add_up();
   return weights;
 }
 
+// A tree of a single light needs no weights. Lanes without a child hold 0.
+std::optional<std::uint32_t> LightTree::only_light() const {
+  if (nodes_.size() != 1 || nodes_[0].children[1] != 0) return std::nullopt;
+  return static_cast<std::uint32_t>(~nodes_[0].children[0]);
+}
+
 LightTree::Choice LightTree::sample(const Weights& root, const LightSampleContext& point, double u) const {
-  if (single_leaf(nodes_)) return {static_cast<std::uint32_t>(~nodes_[0].children[0]), 1};
+  if (const auto only = only_light()) return {*only, 1};
   float pmf = 1;
-  Weights weights = root;
-  for (std::size_t at = 0;;) {
-    if (!(weights.sum() > 0)) return {kNoLight, 0};
-    const double target = std::min(u, kBelowOne) * weights.sum();
-    std::size_t lane = 0;  // the first whose sum exceeds the target, so its weight is never 0
-    for (const double sum : weights.sums) lane += sum <= target ? 1 : 0;
-    const double before = lane > 0 ? weights.sums[lane - 1] : 0;
-    u = (target - before) / (weights.sums[lane] - before);
-    pmf *= weights.share(lane);
-    const std::int32_t child = nodes_[at].children[lane];
-    if (child < 0) return {static_cast<std::uint32_t>(~child), pmf};
-    at = static_cast<std::size_t>(child);
-    weights = weigh(nodes_[at], point);
+  const std::int32_t child = choose_child(nodes_[0], root, u, pmf);
+  return sample_below(child, point, u, pmf);
+}
+
+// Chooses a child of a node by u, which becomes uniform again, and multiplies pmf by its probability. 0 if
+// none contributes.
+std::int32_t LightTree::choose_child(const Node& node, const Weights& weights, double& u, float& pmf) {
+  if (!(weights.sum() > 0)) {
+    pmf = 0;
+    return 0;
   }
+  const double target = std::min(u, kBelowOne) * weights.sum();
+  std::size_t lane = 0;  // the first whose sum exceeds the target, so its weight is never 0
+  for (const double sum : weights.sums) lane += sum <= target ? 1 : 0;
+  const double before = lane > 0 ? weights.sums[lane - 1] : 0;
+  u = (target - before) / (weights.sums[lane] - before);
+  pmf *= weights.share(lane);
+  return node.children[lane];
+}
+
+// Goes on from a child of the root that was chosen with the probability pmf.
+LightTree::Choice LightTree::sample_below(std::int32_t child, const LightSampleContext& point, double u,
+                                          float pmf) const {
+  while (child > 0) {
+    const Node& node = nodes_[static_cast<std::size_t>(child)];
+    child = choose_child(node, weigh(node, point), u, pmf);
+  }
+  return {static_cast<std::uint32_t>(~child), pmf};
+}
+
+LightTree::ChoicesInLanes LightTree::sample(const WeightsInLanes& roots, const LightSampleContexts& points,
+                                            DoubleN u, unsigned asked) const {
+  if (const auto only = only_light()) return {*only, 1.0f};
+  const DoubleN target = smaller(u, DoubleN(kBelowOne)) * roots.sum_;
+  DoubleN sum = 0.0, before = 0.0, upto = 1.0;
+  FloatN weight = 0.0f;
+  U32xN child = 0;
+  for (std::size_t i = 0; i < kWidth && nodes_[0].children[i] != 0; ++i) {
+    const FloatN of_child = load(roots.of_children_[i]);
+    const DoubleN sum_before = sum;
+    sum = sum + widened(of_child);
+    const MaskN chosen = (target >= sum_before) & (target < sum);
+    before = select(chosen, sum_before, before);
+    upto = select(chosen, sum, upto);
+    weight = select(chosen, of_child, weight);
+    child = select(chosen, U32xN(static_cast<std::uint32_t>(nodes_[0].children[i])), child);
+  }
+  const MaskN none = child == U32xN(0);
+  ChoicesInLanes choices{child ^ U32xN(~0u), select(none, 0.0f, to_float(widened(weight) / roots.sum_))};
+  unsigned below = asked & ~highest_bits(child) & ~none.bits();
+  if (below == 0) return choices;
+  const WordLanes children(child);
+  const DoubleLanes u_below((target - before) / (upto - before));
+  const Vec3Lanes positions(points.position), normals(points.normal);
+  WordLanes lights(choices.light);
+  FloatLanes pmf(choices.pmf);
+  for (; below != 0; below &= below - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(below));
+    const Choice choice = sample_below(static_cast<std::int32_t>(children[lane]),
+                                       {positions[lane], normals[lane]}, u_below[lane], pmf[lane]);
+    lights.set(lane, choice.light);
+    pmf.set(lane, choice.pmf);
+  }
+  return {lights.all(), pmf.all()};
 }
 
 float LightTree::pmf(const Weights& root, const LightSampleContext& point, std::uint32_t light) const {
   if (!contains(light)) return 0;
-  if (single_leaf(nodes_)) return 1;
+  if (only_light()) return 1;
   float pmf = 1;
   std::uint32_t at = leaves_[light];
   for (; at >= kWidth; at = nodes_[at / kWidth].parent) {

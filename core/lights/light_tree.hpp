@@ -6,12 +6,15 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "core/lights/light_bounds.hpp"
 #include "core/lights/light_sample_context.hpp"
-#include "core/math/simd.hpp"
+#include "core/math/simd_double.hpp"
 #include "core/math/vec3.hpp"
+#include "core/math/word_lanes.hpp"
 
 namespace tessera::core::lights {
 
@@ -32,26 +35,34 @@ class LightTree {
 
   bool empty() const { return nodes_.empty(); }
 
-  struct Choice {
-    std::uint32_t light;  // kNoLight: no candidate light reaches the point
-    float pmf;
+  template <typename T>
+  struct ChoiceOf {
+    WordOf<T> light;  // kNoLight: no candidate light reaches the point
+    T pmf;
   };
+  using Choice = ChoiceOf<float>;
+  using ChoicesInLanes = ChoiceOf<FloatN>;
   class Weights;
+  class WeightsInLanes;
+  template <typename T>
+  using WeightsOf = std::conditional_t<std::is_same_v<T, float>, Weights, WeightsInLanes>;
   // The weights of the root's children, as input of the functions below.
   Weights weigh_root(const LightSampleContext& point) const;
-  // The same for points in lanes.
-  std::array<Weights, kWidth> weigh_root(const LightSampleContexts& points) const;
+  WeightsInLanes weigh_root(const LightSampleContexts& points) const;
   // u is in [0, 1], with more bits than a float has.
   Choice sample(const Weights& root, const LightSampleContext& point, double u) const;
   Choice sample(const LightSampleContext& point, double u) const;
+  // In lanes whose bits are set in `asked`.
+  ChoicesInLanes sample(const WeightsInLanes& roots, const LightSampleContexts& points, DoubleN u,
+                        unsigned asked) const;
   // The probability with which sample() chooses the light.
   float pmf(const Weights& root, const LightSampleContext& point, std::uint32_t light) const;
   float pmf(const LightSampleContext& point, std::uint32_t light) const;
   bool contains(std::uint32_t light) const { return light < leaves_.size() && leaves_[light] != kNoLeaf; }
-
   // The approximate unoccluded irradiance, averaged over the channels. Zero only if no light arrives, up to
   // rounding.
   double irradiance(const Weights& root) const;
+  DoubleN irradiance(const WeightsInLanes& roots) const;
   double irradiance(const LightSampleContext& point) const;
 
  private:
@@ -75,6 +86,10 @@ class LightTree {
 
   struct Children;
   static Weights weigh(const Node& node, const LightSampleContext& point);
+  static std::int32_t choose_child(const Node& node, const Weights& weights, double& u, float& pmf);
+  Choice sample_below(std::int32_t child, const LightSampleContext& point, double u, float pmf) const;
+  // The light that sample() always chooses, if there is just one.
+  std::optional<std::uint32_t> only_light() const;
 
   std::vector<Node> nodes_;            // the root first
   std::vector<std::uint32_t> leaves_;  // the lane of each light
@@ -89,6 +104,8 @@ class LightTree::Weights {
  private:
   friend LightTree;
 
+  friend WeightsInLanes;
+
   void add_up();
   float share(std::size_t lane) const { return static_cast<float>(static_cast<double>(lanes[lane]) / sum()); }
 
@@ -96,8 +113,24 @@ class LightTree::Weights {
   std::array<double, kWidth> sums;
 };
 
+// The same for points in lanes.
+class LightTree::WeightsInLanes {
+ public:
+  DoubleN sum() const { return sum_; }
+  Weights operator[](std::size_t lane) const;
+
+ private:
+  friend LightTree;
+
+  alignas(32) std::array<Lanes, kWidth> of_children_{};  // of each child, to the points
+  DoubleN sum_ = 0.0;
+};
+
 inline double LightTree::irradiance(const Weights& root) const {
   return root.sum() * power_;
+}
+inline DoubleN LightTree::irradiance(const WeightsInLanes& roots) const {
+  return roots.sum() * power_;
 }
 inline double LightTree::irradiance(const LightSampleContext& point) const {
   return irradiance(weigh_root(point));

@@ -4,36 +4,38 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/math/rgb.hpp"
+#include "core/math/simd_double.hpp"
 #include "core/math/simd_integer.hpp"
 #include "core/math/vec3.hpp"
 
 namespace tessera::core {
 
-class FloatLanes {
+// The vector of such numbers.
+FloatN vector_of(float);
+U32xN vector_of(std::uint32_t);
+DoubleN vector_of(double);
+
+// The same types for every instruction set, unlike DoubleN.
+template <typename Number>
+class LaneArray {
  public:
-  FloatLanes() = default;
-  explicit FloatLanes(FloatN a) { a.store(values_); }
-  float operator[](std::size_t lane) const { return values_[lane]; }
-  void set(std::size_t lane, float value) { values_[lane] = value; }
-  FloatN all() const { return FloatN::load(values_); }
+  using Vector = decltype(vector_of(Number()));
+
+  LaneArray() = default;
+  explicit LaneArray(Vector a) { a.store(values_); }
+  Number operator[](std::size_t lane) const { return values_[lane]; }
+  void set(std::size_t lane, Number value) { values_[lane] = value; }
+  Vector all() const { return Vector::load(values_); }
 
  private:
-  alignas(32) float values_[kLaneCount];
+  alignas(kLaneCount * sizeof(Number)) Number values_[kLaneCount];
 };
-
-class WordLanes {
- public:
-  WordLanes() = default;
-  explicit WordLanes(U32xN a) { a.store(values_); }
-  std::uint32_t operator[](std::size_t lane) const { return values_[lane]; }
-  void set(std::size_t lane, std::uint32_t value) { values_[lane] = value; }
-  U32xN all() const { return U32xN::load(values_); }
-
- private:
-  alignas(32) std::uint32_t values_[kLaneCount];
-};
+using FloatLanes = LaneArray<float>;
+using WordLanes = LaneArray<std::uint32_t>;
+using DoubleLanes = LaneArray<double>;
 
 // f of the numbers in each lane, for functions that have no vector form.
 template <typename F, typename... Floats>

@@ -15,6 +15,11 @@ struct alignas(2 * alignof(Half)) Twice {  // as wide vectors are, so that layou
   Twice() = default;
   Twice(Half first_half, Half second_half) : low(first_half), high(second_half) {}
   Twice(double every) : low(every), high(every) {}
+  // at(i), a float or a double, in lane i.
+  template <typename At>
+  static Twice of(const At& at) {
+    return {Half::of(at), Half::of([&at](std::size_t i) { return at(Half::kLanes + i); })};
+  }
   static Twice load(const double* aligned) {
     return {Half::load(aligned), Half::load(aligned + Half::kLanes)};
   }

@@ -90,22 +90,30 @@ TEST_P(Frequencies, OfEightPointsAreThoseOfEach) {
     const LightSampler sampler(with_lamps(count), Among::kAll, 1);
     for (int i = 0; i < 500; ++i) {
       Vec3Lanes position, normal;
-      std::array<double, kLaneCount> u;
+      DoubleLanes u;
       for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
         const int n = 8 * i + static_cast<int>(lane);
         const LightSampleContext point = test::light_context(n);
         position.set(lane, point.position);
         normal.set(lane, n % 5 == 0 ? Vec3{} : point.normal);
-        u[lane] = static_cast<double>(test::numbers(n, 42)[0]);
+        u.set(lane, static_cast<double>(test::numbers(n, 42)[0]));
       }
       const unsigned asked = 0xb7;
-      const auto together = sampler.sample({position.all(), normal.all()}, u, asked, compensation_);
+      const LightSampleContexts points{position.all(), normal.all()};
+      const auto [chosen, pmf] = sampler.sample(points, u, asked, compensation_);
+      const WordLanes light(chosen);
+      const FloatLanes probability(pmf);
       for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
         if ((asked >> lane & 1) == 0) continue;
         const auto alone = sampler.sample({position[lane], normal[lane]}, u[lane], compensation_);
-        ASSERT_EQ(together[lane].light, alone.light);
-        ASSERT_EQ(together[lane].pmf, alone.pmf);
+        ASSERT_EQ(light[lane], alone.light);
+        ASSERT_EQ(probability[lane], alone.pmf);
       }
+      if (!std::get<0>(GetParam())) continue;
+      const FloatLanes of_sky(sampler.environment_pmf(points, compensation_));
+      const auto sky = static_cast<std::uint32_t>(sampler.size() - 1);
+      for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+        ASSERT_EQ(of_sky[lane], sampler.pmf({position[lane], normal[lane]}, sky, compensation_));
     }
   }
 }
