@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "client/console.hpp"
 #include "core/image/encode.hpp"
@@ -13,13 +14,26 @@ namespace tessera::client {
 
 using core::Status;
 
+Status check_given_once(const std::string& path, std::span<const std::string> others) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) return {};
+  const auto file_of = [&](const std::string& name) {
+    return fs::weakly_canonical(fs::absolute(name, ignored), ignored);
+  };
+  for (const std::string& other : others)
+    if (path == other || file_of(path) == file_of(other))
+      return core::fail(core::ErrorCode::kInvalidArgument,
+                        fmt::format("'{}' is given twice{}", path,
+                                    path == other ? "" : fmt::format(", also as '{}'", other)));
+  return {};
+}
+
 Status check_image_paths(const std::vector<std::string>& paths) {
   for (auto path = paths.begin(); path != paths.end(); ++path) {
     const core::Result<core::ImageFormat> format = core::image_format_from_path(*path);
     if (!format) return core::fail(format.error());
-    if (std::find(paths.begin(), path, *path) != path) {
-      return core::fail(core::ErrorCode::kInvalidArgument, fmt::format("'{}' is given twice", *path));
-    }
+    if (Status once = check_given_once(*path, {paths.begin(), path}); !once) return once;
     if (Status status = core::check_can_write(*path); !status) return status;
   }
   return {};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +18,8 @@
 
 namespace tessera::client {
 
+// Whether the path is that of none of the others, however they are written. Devices and pipes may be.
+core::Status check_given_once(const std::string& path, std::span<const std::string> others);
 // Whether every name has an ending we know, none is given twice, and each could be written now.
 core::Status check_image_paths(const std::vector<std::string>& paths);
 

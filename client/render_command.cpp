@@ -50,9 +50,7 @@ Status check_updates(const RenderOptions& options) {
 Status check_checkpoint(const RenderOptions& options) {
   const std::string path = checkpoint_path_of(options);
   if (Status status = core::check_can_write(path); !status) return status;
-  const auto& outputs = options.scene.output_paths;
-  if (std::find(outputs.begin(), outputs.end(), path) != outputs.end())
-    return core::fail(core::ErrorCode::kInvalidArgument, fmt::format("'{}' is given twice", path));
+  if (Status once = check_given_once(path, options.scene.output_paths); !once) return once;
   std::error_code ignored;
   if (options.checkpoint_path.empty() || !fs::exists(path, ignored) || read_checkpoint_header(path))
     return {};
@@ -69,7 +67,12 @@ Status check_paths(const RenderOptions& options) {
   if (!options.sample) {
     if (Status status = check_checkpoint(options); !status) return status;
   }
-  return options.stats_path.empty() ? Status{} : core::check_can_write(options.stats_path);
+  if (options.stats_path.empty()) return {};
+  std::vector<std::string> others = options.scene.output_paths;
+  others.push_back(options.scene.scene_path);
+  if (!options.sample) others.push_back(checkpoint_path_of(options));
+  if (Status once = check_given_once(options.stats_path, others); !once) return once;
+  return core::check_can_write(options.stats_path);
 }
 
 // An image that does not fit into memory is rejected now instead of being killed later.

@@ -55,7 +55,7 @@ SceneDigest digest_of(const SceneDescription& scene) {
   SceneDigest digest{.camera = checksum_of_parts(scene.camera, scene.camera_medium),
                      .textures = checksum_of_parts(scene.textures),
                      .materials = checksum_of_parts(scene.materials, scene.grids, scene.media),
-                     .shapes = checksum_of_parts(scene.objects, scene.shapes),
+                     .shapes = checksum_of_parts(scene.objects, scene.shapes, scene.shape_names),
                      .lights = checksum_of_parts(scene.lights),
                      .environment = checksum_of_parts(scene.environment)};
   mix_in(digest, animation, animation.camera, animation.instances, animation.lights, animation.materials,

@@ -10,7 +10,8 @@
 namespace tessera::core {
 
 // One checksum for each part, so that a difference can be named. A part that is animated includes its
-// keyframes. Settings, output settings and warnings are not part of it, nor are the names of files.
+// keyframes. Settings, output settings and warnings are not part of it, nor are the names of files, except in
+// the names of shapes, which Cryptomatte layers hold.
 struct SceneDigest {
   Checksum camera, textures, materials, shapes, lights, environment;
   bool operator==(const SceneDigest&) const = default;

@@ -180,6 +180,10 @@ TEST_F(CommandLine, FailuresExitWith1AndLeaveNoImage) {
       {"render", path("scene.json"), "-o", path("no/a.png")},
       {"render", path("scene.json"), "-o", path("a.png"), "--stats", path("no/s.json")},
       {"render", path("scene.json"), "-o", path("a.png"), "-o", path("a.png")},
+      {"render", path("scene.json"), "-o", path("a.png"), "--stats", path("./a.png")},
+      {"render", path("scene.json"), "-o", path("a.png"), "--stats", path("scene.json")},
+      {"render", path("scene.json"), "-o", path("a.png"), "--checkpoint", path("./a.png")},
+      {"render", path("scene.json"), "-o", path("a.png"), "--checkpoint", path("c"), "--stats", path("c")},
       {"render", path("scene.json"), "-o", path("a.hdr"), "--size", "65536x16384"},
   };
   for (const auto& arguments : failures) {

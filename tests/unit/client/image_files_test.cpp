@@ -40,6 +40,8 @@ TEST(ImageFiles, BadPathsAreRefusedBeforeTheWork) {
   EXPECT_THAT(check_image_paths({"/no/folder/a.png"}).error().message, HasSubstr("'/no/folder'"));
   EXPECT_THAT(check_image_paths({"a.png", "b.png", "a.png"}).error().message,
               HasSubstr("'a.png' is given twice"));
+  EXPECT_THAT(check_image_paths({"a.png", "./a.png"}).error().message,
+              HasSubstr("'./a.png' is given twice, also as 'a.png'"));
   EXPECT_TRUE(check_image_paths({}));
 }
 

@@ -177,6 +177,10 @@ TEST(SceneDigest, TellsThePartsApart) {
   EXPECT_EQ(changed.shapes, digest.shapes);
   EXPECT_EQ(changed.textures, digest.textures);
   EXPECT_EQ(changed.environment, digest.environment);
+  other = room;
+  other.shape_names.resize(room.shapes.size());
+  other.shape_names.front() += "ball";  // Cryptomatte layers hold it
+  EXPECT_NE(core::digest_of(other).shapes, digest.shapes);
 }
 
 // The snapshot is of its moment, whatever is added before it is taken.

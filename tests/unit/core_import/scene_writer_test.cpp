@@ -34,6 +34,7 @@ MemoryAssets::Files written(const SceneDescription& scene) {
 }
 
 SceneDigest plain_digest(SceneDescription scene) {
+  scene.shape_names.clear();
   for (Material& material : scene.materials) material.name.clear();
   for (ObjectDescription& object : scene.objects) {
     object.name.clear();
