@@ -22,13 +22,16 @@ constexpr std::array<std::uint8_t, 256> kBase64 = [] {
   return values;
 }();
 
+// Line breaks and blanks have no meaning.
 std::optional<std::string> decode_base64(std::string_view text) {
-  text = text.substr(0, text.find_last_not_of('=') + 1);
+  constexpr std::string_view kBlanks = " \t\r\n", kPadding = "= \t\r\n";
+  text = text.substr(0, text.find_last_not_of(kPadding) + 1);
   std::string bytes;
   bytes.reserve(text.size() / 4 * 3 + 3);
   std::uint32_t bits = 0;
   int bit_count = 0;
   for (const char c : text) {
+    if (kBlanks.find(c) != std::string_view::npos) continue;
     const std::uint8_t digit = kBase64[static_cast<unsigned char>(c)];
     if (digit == kNoDigit) return std::nullopt;
     bits = (bits << 6 | digit) & 0xffff;

@@ -100,6 +100,7 @@ class MtlReader {
  private:
   void statement(std::string_view line);
   void new_material(std::string_view line);
+  void end_material();
   void color(const ColorRule& rule, std::string_view line);
   void number(const NumberRule& rule, std::string_view line);
   void map(const MapRule& rule, std::string_view keyword, std::string_view line);
@@ -121,6 +122,7 @@ MtlFile MtlReader::read() {
     ++line_number_;
     statement(take_line(rest_));
   }
+  end_material();
   return std::move(file_);
 }
 
@@ -142,7 +144,21 @@ void MtlReader::statement(std::string_view line) {
   map(*map_rule, keyword, line);
 }
 
+// MeshLab writes the opacity, not the transparency, as 'Tr' alone. A surface that nobody can see is taken for
+// an opaque one.
+void MtlReader::end_material() {
+  if (file_.materials.empty() || material().transparency != 1 || material().dissolve ||
+      material().dissolve_map)
+    return;
+  material().transparency.reset();
+  warn("Tr 1", [&] {
+    return fmt::format("'Tr 1' without 'd' would hide all of the material {}; it is taken for opaque",
+                       in_quotes(material().name));
+  });
+}
+
 void MtlReader::new_material(std::string_view line) {
+  end_material();
   const std::string_view name = trimmed(line);
   file_.materials.emplace_back();
   if (name_without_comment(name).empty())
@@ -161,7 +177,7 @@ void MtlReader::color(const ColorRule& rule, std::string_view line) {
   if (readable) material().*rule.color = Rgb{clamped(c[0]), clamped(c[1]), clamped(c[2])};
   if (!readable && rule.color == &MtlMaterial::diffuse) material().diffuse = kDefaultDiffuse;
   if (readable && in_range && numbers.words <= 3) return;
-  warn(rule.keyword, [&] {
+  warn(fmt::format("{} {}", rule.keyword, readable), [&] {
     return fmt::format("'{}' must be 3 numbers between 0 and {}, got {}; {}", rule.keyword, rule.max,
                        in_quotes(line), readable ? "it is clamped" : "the default is used");
   });
@@ -177,7 +193,7 @@ void MtlReader::number(const NumberRule& rule, std::string_view line) {
   const bool usable = numbers.count >= 1 && (in_range || rule.out_of_range == OutOfRange::kClamp);
   if (usable) material().*rule.number = clamped;
   if (usable && in_range && numbers.words == 1) return;
-  warn(rule.keyword, [&] {
+  warn(fmt::format("{} {}", rule.keyword, usable), [&] {
     return fmt::format("'{}' must be a number between {} and {}, got {}; {}", rule.keyword, rule.min,
                        rule.max, in_quotes(line),
                        usable ? fmt::format("{} is used", clamped) : "the default is used");

@@ -42,6 +42,7 @@ class PlyReader {
   Result<MeshFile> read();
 
  private:
+  Status read_rows(const PlyElement& element);
   Status read_element(const PlyElement& element);
   Status read_vertices(const PlyElement& element);
   std::vector<PlyColumn> vertex_columns(const PlyElement& element);
@@ -84,6 +85,8 @@ class PlyReader {
   MeshAttributes attributes_;
   MeshFile file_;
   bool has_vertices_ = false, has_materials_ = false;
+  // Faces that stand before the vertices, and where their rows begin.
+  std::vector<std::pair<const PlyElement*, PlyValues>> before_vertices_;
   // Of one face; kept to reuse their memory.
   std::vector<std::uint32_t> corners_;
   std::vector<float> row_;  // one for each property
@@ -93,15 +96,13 @@ class PlyReader {
 };
 
 Result<MeshFile> PlyReader::read() {
-  for (const PlyElement& element : header_.elements) {
-    if (auto done = read_element(element); !done) return fail(done.error());
-    if (values_.failed())
-      return broken(
-          values_.is_binary() || values_.bytes_left() == 0
-              ? fmt::format("it ends among the rows of {}", in_quotes(element.name))
-              : fmt::format("a row of {} has something else than numbers", in_quotes(element.name)));
-  }
+  for (const PlyElement& element : header_.elements)
+    if (auto done = read_rows(element); !done) return fail(done.error());
   if (!has_vertices_) return broken("it has no element 'vertex'");
+  for (const auto& [element, values] : before_vertices_) {
+    values_ = values;
+    if (auto done = read_rows(*element); !done) return fail(done.error());
+  }
   if (file_.mesh.triangles.empty())
     return fail(ErrorCode::kInvalidArgument, "has no faces; clouds of points cannot be rendered");
   const std::size_t triangles = file_.mesh.triangles.size();
@@ -111,13 +112,24 @@ Result<MeshFile> PlyReader::read() {
   return std::move(file_);
 }
 
+Status PlyReader::read_rows(const PlyElement& element) {
+  if (auto done = read_element(element); !done) return done;
+  if (!values_.failed()) return {};
+  return broken(values_.is_binary() || values_.bytes_left() == 0
+                    ? fmt::format("it ends among the rows of {}", in_quotes(element.name))
+                    : fmt::format("a row of {} has something else than numbers", in_quotes(element.name)));
+}
+
 Status PlyReader::read_element(const PlyElement& element) {
   if (element.properties.empty()) return {};
   if (auto fits = check_rows(element); !fits) return fits;
   if (element.name == "vertex") return read_vertices(element);
   const bool has_indices = std::ranges::any_of(element.properties, is_index_list);
-  if ((element.name == "face" || element.name == "tristrips") && has_indices && !has_vertices_)
-    return broken("its faces stand before its vertices");
+  if ((element.name == "face" || element.name == "tristrips") && has_indices && !has_vertices_) {
+    before_vertices_.push_back({&element, values_});
+    skip_rows(element);
+    return {};
+  }
   if (element.name == "face" && has_indices) return read_faces(element);
   if (element.name == "tristrips" && has_indices) return read_strips(element);
   if (element.count > 0)

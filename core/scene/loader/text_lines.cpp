@@ -10,6 +10,10 @@
 namespace tessera::core {
 namespace {
 
+bool has_negative_exponent(std::string_view number) {
+  return number.find("e-") != std::string_view::npos || number.find("E-") != std::string_view::npos;
+}
+
 // Some programs pad files with Ctrl-Z and NUL bytes.
 constexpr bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0' || c == '\x1a';
@@ -153,6 +157,7 @@ std::optional<float> parse_float(std::string_view word) {
     // The number overflows, or underflows to 0.
     double wide = 0;
     error = std::from_chars(word.data(), word.data() + word.size(), wide).ec;
+    if (error == std::errc::result_out_of_range && has_negative_exponent(word)) error = std::errc();
     if (std::fabs(wide) > 1) return std::nullopt;
     value = static_cast<float>(wide);
   }

@@ -70,7 +70,8 @@ std::string why_refused(const ColorParameter& value, const Domain& domain, const
 
 std::string why_refused(const ScalarParameter& value, const Domain& domain, const NameCounts& counts) {
   if (value.texture < 0) return why_refused(value.value, domain, counts);
-  if (!std::isfinite(value.value) || value.value < 0) return std::string(kNoFactor);
+  const bool is_negative = value.value < 0 && !accepts(domain, value.value);
+  if (!std::isfinite(value.value) || is_negative) return std::string(kNoFactor);
   return why_not_a_texture(value.texture, counts);
 }
 

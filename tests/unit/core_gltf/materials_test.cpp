@@ -278,7 +278,7 @@ TEST(GltfTextures, CanBeWebp) {
   GltfFile file = file_with({{"emissiveFactor", {1, 1, 1}}, {"emissiveTexture", texture()}});
   file.json["extensionsRequired"] = {"EXT_texture_webp"};
   file.json["images"].push_back(
-      {{"uri", "data:image/webp;base64,UklGRhoAAABXRUJQVlA4TA0AAAAvAAAAEAcQERGIiP4HAA=="}});
+      {{"uri", "data:image/webp;base64,UklGRhoAAABXRUJQVlA4\r\nTA0AAAAvAAAAEAcQERGIiP4HAA==\n"}});
   file.json["textures"][0] = {{"extensions", {{"EXT_texture_webp", {{"source", 1}}}}}};
   const auto scene = load_file(file);
   ASSERT_TRUE(scene) << scene.error().message;

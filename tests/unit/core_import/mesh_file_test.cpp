@@ -178,6 +178,14 @@ TEST(Ply, ReadsTriangleStrips) {
   EXPECT_THAT(ply(text).mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{2, 1, 3}, Triangle{2, 3, 4}));
 }
 
+TEST(Ply, MayHaveFacesBeforeVertices) {
+  const MeshFile file =
+      ply("ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\nelement vertex 3\n"
+          "property float x\nproperty float y\nproperty float z\nend_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n");
+  EXPECT_EQ(file.mesh.positions.size(), 3u);
+  EXPECT_THAT(file.mesh.triangles, ElementsAre(Triangle{0, 1, 2}));
+}
+
 TEST(Ply, HasFacesBesideStrips) {
   const std::string text =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"

@@ -96,5 +96,19 @@ TEST(LayeredSurface, RefusesBlendsOfWhatDoesNotStandBefore) {
       << scene.error().message;
 }
 
+TEST(LayeredSurface, ScalesATextureByNegativeNumbersOnlyWhereValuesMayBeNegative) {
+  const auto build = [](const Principled& model) {
+    auto maker = ball_under_sky();
+    maker.description().textures.push_back({.image = nullptr, .procedural = ProceduralTexture{}});
+    add_ball(maker, maker.material(model));
+    return Scene::build(maker.description(), 1);
+  };
+  Principled rotated, negative;
+  rotated.tangent.rotation = ScalarParameter(-0.5f, 0);
+  negative.base_metalness = ScalarParameter(-0.5f, 0);
+  EXPECT_TRUE(build(rotated));
+  EXPECT_FALSE(build(negative));
+}
+
 }  // namespace
 }  // namespace tessera::core::integrators

@@ -117,11 +117,20 @@ TEST(MtlReader, ClampsOrIgnoresValuesOutOfRange) {
   EXPECT_FALSE(one("Ke nan 1 1").emission);
 }
 
+TEST(MtlReader, TakesAMaterialThatNobodyCouldSeeForOpaque) {
+  EXPECT_FALSE(one("Tr 1").transparency);
+  EXPECT_EQ(one("Tr 0.9").transparency, 0.9f);
+  EXPECT_EQ(one("d 1\nTr 1").transparency, 1);
+  EXPECT_EQ(one("Tr 1\nmap_d a.png").transparency, 1);
+}
+
 TEST(MtlReader, TellsWhatItDoesNotTakeAsWritten) {
   const std::pair<std::string, std::string> cases[] = {
       {"newmtl \n", "1: 'newmtl' gives no name; the material is ignored"},
       {"newmtl a\nKd 1 0\n", "2: 'Kd' must be 3 numbers between 0 and 1, got '1 0'; the default is used"},
       {"newmtl a\nKd 1 1 1.5\n", "2: 'Kd' must be 3 numbers between 0 and 1, got '1 1 1.5'; it is clamped"},
+      {"newmtl a\nTr 1\nnewmtl b\n",
+       "3: 'Tr 1' without 'd' would hide all of the material 'a'; it is taken for opaque"},
       {"newmtl a\nd 2\n", "2: 'd' must be a number between 0 and 1, got '2'; 1 is used"},
       {"newmtl a\nNi -1\n", "2: 'Ni' must be a number between 0 and 10, got '-1'; the default is used"},
       {"newmtl a\nillum\n", "2: 'illum' must be a number between 0 and 10, got ''; the default is used"},

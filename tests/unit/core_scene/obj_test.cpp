@@ -50,10 +50,10 @@ TEST(ParseFloat, TakesDecimalNumbersOnly) {
   EXPECT_EQ(parse_float("16777217"), 16777216.0f);
   EXPECT_EQ(parse_float("3.4028235e38"), 3.4028235e38f);
   EXPECT_EQ(parse_float("1e-60"), 0.0f);
+  EXPECT_EQ(parse_float("1e-400"), 0.0f);
   EXPECT_EQ(parse_float("1e-42"), 1e-42f);
-  for (const auto word :
-       {"",     "+",   "-",        ".",    "e5",    "1e",    "1.5x",   "1,5", "0x10", "nan", "inf",
-        "-inf", "NaN", "infinity", "1e39", "-1e39", "1e400", "1e-400", "+-1", "1 ",   " 1"})
+  for (const auto word : {"",    "+",    "-",   ".",        "e5",   "1e",    "1.5x",  "1,5", "0x10", "nan",
+                          "inf", "-inf", "NaN", "infinity", "1e39", "-1e39", "1e400", "+-1", "1 ",   " 1"})
     EXPECT_EQ(parse_float(word), std::nullopt) << word;
 }
 
