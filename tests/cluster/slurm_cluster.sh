@@ -136,11 +136,12 @@ start_cluster() {
 # spp_for SECONDS SCENE SIZE: samples per pixel that cost so many seconds of a processor, whatever build and machine can
 # do.
 spp_for() {
-  local spp=2 took=0 TIMEFORMAT=%3U
-  while [ $took -lt 500 ]; do
+  local spp=2 took=0
+  while [ "$took" -lt 500 ]; do
     spp=$((spp * 4))
-    took=$({ time tessera render "$2" --size "$3" --spp $spp -o speed.pfm --threads 1 >/dev/null 2>&1; } 2>&1)
-    took=$((10#${took/./}))
+    tessera render "$2" --size "$3" --spp $spp -o speed.pfm --stats speed.json --threads 1 >/dev/null 2>&1
+    # Without the start, which takes longer than so few samples where other work fills the machine.
+    took=$(sed -n 's/.*"render_core_seconds": *\([0-9.e-]*\).*/\1/p' speed.json | awk '{ printf "%d", 1000 * $1 }')
   done
   echo $(($1 * 1000 * spp / took))
 }
