@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // tessera: the command line. Hands over to the command that was called and reports its exit status.
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <exception>
 #include <new>
 #include <string>
@@ -65,7 +64,6 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   tessera::core::prepare_standard_streams();
-  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit of ulimit -f is an error, which is reported
 #ifdef TESSERA_FARM
   tessera::proto::configure_grpc();
 #endif

@@ -114,7 +114,6 @@ int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& subm
 }
 
 int run_submit(const SubmitOptions& options) {
-  if (core::Status fit = proto::check_text("--name", options.name); !fit) return print_error(fit.error());
   const auto& paths = options.scene.output_paths;
   const std::vector<std::int32_t> frames = render_order(options.frames);
   const auto first_paths = frames.empty() ? paths : paths_of_frame(paths, frames.front());
@@ -177,6 +176,8 @@ void add_submit_command(CLI::App& app, int& exit_code) {
   add_farm_options(*command, options->farm);
   cli::set_help(*command, kSubmitHelp);
   command->callback([options, &exit_code] {
+    if (core::Status fit = proto::check_text("--name", options->name); !fit)
+      throw CLI::ValidationError(fit.error().message);
     if (!options->scene.output_paths.empty() && !options->wait)
       throw CLI::RequiredError("-o writes the finished image, so --wait");
     if (core::Status fit = check_frame_paths(options->scene.output_paths, options->frames.frames.size());

@@ -34,7 +34,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kLookAround{50};
 
-// How a process is started: its descriptors, and no signal blocked.
+// How a process is started: its descriptors, no signal blocked, and ended by what exceeds its limit of
+// output.
 class SpawnSetup {
  public:
   SpawnSetup(const Streams& streams, const OpenFile& err, const OpenFile& channel) {
@@ -50,7 +51,11 @@ class SpawnSetup {
     sigemptyset(&none);
     posix_spawnattr_init(&attributes_);
     posix_spawnattr_setsigmask(&attributes_, &none);
-    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK);
+    sigset_t of_limits;
+    sigemptyset(&of_limits);
+    sigaddset(&of_limits, SIGXFSZ);  // which coordinators and workers ignore
+    posix_spawnattr_setsigdefault(&attributes_, &of_limits);
+    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
   }
   ~SpawnSetup() {
     posix_spawnattr_destroy(&attributes_);

@@ -39,6 +39,8 @@ Advice advice_for(int error) {
     case EMFILE:
     case ENFILE:
       return {ErrorCode::kResourceExhausted, "too many open files: raise the limit (ulimit -n)"};
+    case EFBIG:
+      return {ErrorCode::kResourceExhausted, "it is too large: raise the limit (ulimit -f)"};
     case ENOENT:
       return {ErrorCode::kNotFound, "no such file or folder"};
     case EIO:

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cstddef>
 #include <filesystem>
 #include <system_error>
@@ -46,6 +47,8 @@ core::Error sqlite_error(sqlite3* database, const std::filesystem::path& file) {
           "is damaged: put back a copy of the state folder, keep what is whole with --salvage, or move the "
           "folder away to start without its jobs");
     case SQLITE_IOERR:
+      if (sqlite3_system_errno(database) == EFBIG)
+        return error(ErrorCode::kResourceExhausted, "it is too large: raise the limit (ulimit -f)");
       return error(ErrorCode::kInternal,
                    fmt::format("the disk failed to read or write ({}): check its health and its free space",
                                sqlite3_extended_errcode(database)));

@@ -87,6 +87,20 @@ class DiskFaultsTest : public FarmTest {
   }
 };
 
+TEST_F(DiskFaultsTest, FilesBeyondALimitOfTheShellAreErrors) {
+  const std::string image = folder_ / "a.pfm";
+  for (const std::string& command :
+       {TESSERA_CLIENT " render " + kCornell + " --size 64x64 --spp 1 -o " + image,
+        TESSERA_COORDINATOR_PROGRAM " --listen 127.0.0.1:0 --state " + state_.string()}) {
+    Process process({.arguments = {"/bin/bash", "-c", "exec 2> >(cat >&2); ulimit -f 0; exec " + command},
+                     .out = folder_ / "out",
+                     .err = folder_ / "err"});
+    EXPECT_EQ(process.wait(60s), 1) << command;
+    EXPECT_TRUE(poll_until(10s, [&] { return process.err().find("too large") != std::string::npos; }))
+        << process.err();
+  }
+}
+
 TEST_F(DiskFaultsTest, CheckingAnIntactStateChangesNothing) {
   const std::vector<std::string> ids = make_state();
   const auto before = everything();

@@ -197,7 +197,7 @@ TEST_F(RefusalsTest, NamesWithTerminalSequencesAreRefused) {
   write_scene({});
   const std::string sentence = "--name: must be UTF-8 without line breaks and other control characters, got ";
   const Outcome submitted = tessera({"submit", "scene.json", "--name", "a\x1b[2J"}, scene_folder_);
-  EXPECT_EQ(submitted.exit_code, 1);
+  EXPECT_EQ(submitted.exit_code, 2);
   EXPECT_THAT(submitted.err, HasSubstr(sentence + "'a\\x1b[2J'"));
   Process& worker = start_worker("b\xff", 1);
   EXPECT_EQ(worker.wait(std::chrono::seconds(20)), 2);

@@ -6,9 +6,9 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
 #include <thread>
 
@@ -137,6 +137,13 @@ TEST_F(ConfinedProgram, EndsAreDescribed) {
   EXPECT_EQ(end_of("kill -SEGV $$"), "it ended by signal 11 (Segmentation fault)");
   EXPECT_EQ(end_of("kill -SYS $$"), "it ended by signal 31 (Bad system call: the sandbox forbids it)");
   EXPECT_EQ(end_of("kill -KILL $$"), "it ended by signal 9 (Killed, perhaps for want of memory)");
+}
+
+TEST_F(ConfinedProgram, MoreOutputThanItMayWriteEndsIt) {
+  auto* const before = std::signal(SIGXFSZ, SIG_IGN);  // as in coordinators and workers
+  run_with({.path = script("ulimit -f 1; exec cat"), .timeout = 1min}, std::string(4096, 'x'));
+  std::signal(SIGXFSZ, before);
+  EXPECT_TRUE(ending_.by_signal(SIGXFSZ)) << describe(ending_, "it");
 }
 
 class Check : public ConfinedProgram {
