@@ -62,17 +62,19 @@ ends_well() {
 }
 
 # Until the job requeues itself, workers run for a tenth of the time: they render as long as Slurm takes to look at the
-# limit, and take a tenth of the processor.
+# limit, and take a tenth of the processor. They are looked for while they are stopped: on a busy machine that takes long.
 slow_workers() {
-  local workers
+  local workers=()
+  signal_workers() { [ ${#workers[@]} -eq 0 ] || kill "-$1" "${workers[@]}" 2>/dev/null || true; }
   until grep -qs "the time limit is near" slurm.log; do
+    signal_workers CONT
+    sleep 0.1
+    signal_workers STOP
+    sleep 0.9
     mapfile -t workers < <(pgrep -x tessera-worker | sed 's#.*#/proc/&/environ#' |
       xargs -r grep -slzxF "TESSERA_TEST_CLUSTER=$cluster" | cut -d / -f 3)
-    [ ${#workers[@]} -eq 0 ] || kill -STOP "${workers[@]}" 2>/dev/null || true
-    sleep 0.9
-    [ ${#workers[@]} -eq 0 ] || kill -CONT "${workers[@]}" 2>/dev/null || true
-    sleep 0.1
   done
+  signal_workers CONT
 }
 
 case $case_name in
