@@ -49,7 +49,7 @@ template <typename T>
 SphereHitOf<T> intersect_sphere(const Vec3dOf<WideOf<T>>& origin, const Vec3dOf<WideOf<T>>& d,
                                 const SphereOf<T>& sphere) {
   using D = WideOf<T>;
-  using std::copysign, std::sqrt;
+  using std::sqrt;
   const Vec3dOf<D> f = origin - Vec3dOf<D>(sphere.center);
   const D r2 = widened(sphere.radius) * widened(sphere.radius);
   const D a = dot(d, d), b = -dot(f, d), ff = dot(f, f);
@@ -58,9 +58,11 @@ SphereHitOf<T> intersect_sphere(const Vec3dOf<WideOf<T>>& origin, const Vec3dOf<
   MaskOf<T> found = (discriminant >= 0.0) & can_be_hit(sphere);
   if (!any(found)) return {found, 0.0};
 
-  const D q = b + copysign(sqrt(a * discriminant), b);
+  const MaskOf<T> ahead = b > 0.0;
+  const D root = sqrt(a * discriminant);
+  const D q = b + select(ahead, root, -root);  // at the centre b is a zero of either sign
   const D c = ff - r2, c_error = D(gamma<double>(8)) * (ff + r2);
-  const MaskOf<T> outside = c > c_error, inside = c<-c_error, ahead = b> 0.0;
+  const MaskOf<T> outside = c > c_error, inside = c < -c_error;
   found = found & (ahead | inside);
   const MaskOf<T> on_it = found & !(outside | inside);
   if (any(on_it))  // the ray may leave or be tangent

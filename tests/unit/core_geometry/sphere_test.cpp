@@ -24,6 +24,14 @@ TEST(Sphere, IsHitAtItsNearerSideFromOutsideAndAtTheFarFromInside) {
   EXPECT_EQ(intersect_sphere({{1, 2, 3}, {0, 0, 1}}, sphere), 2);
 }
 
+TEST(Sphere, IsHitFromItsCentreInAllDirections) {
+  for (const Vec3 center : {Vec3{0, 0, 0}, Vec3{-0.0f, -0.0f, -0.0f}, Vec3{1, 2, 3}})
+    for (const float x : {-3.0f, -0.0f, 0.0f, 3.0f})
+      for (const float y : {-4.0f, -0.0f, 0.0f, 4.0f})
+        EXPECT_EQ(intersect_sphere({center, {x, y, 0}}, {center, 60}),
+                  x == 0 && y == 0 ? std::nullopt : std::optional(60 / std::hypot(double{x}, double{y})));
+}
+
 TEST(Sphere, IsMissedBesideItAndBehindTheOrigin) {
   const Sphere sphere{{0, 0, 0}, 1};
   EXPECT_FALSE(intersect_sphere({{0, 0, 3}, {0, 0, 1}}, sphere));
@@ -83,8 +91,10 @@ TEST(Sphere, EightAtOnceAreToTheBitWhatEachIsAlone) {
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       const Sphere sphere{random.in_box(1), random.below(20) == 0 ? 0 : random.uniform(0.1f, 2)};
       const bool from_surface = random.below(4) == 0;
-      const Vec3 origin =
-          from_surface ? sphere.center + random.direction() * sphere.radius : random.in_box(2);
+      const bool from_center = random.below(16) == 0;
+      const Vec3 origin = from_center    ? sphere.center
+                          : from_surface ? sphere.center + random.direction() * sphere.radius
+                                         : random.in_box(2);
       const Vec3 direction = random.below(20) == 0 ? Vec3{} : random.in_box(1);
       origins.set(lane, origin), directions.set(lane, direction);
       centers.set(lane, sphere.center), radii.set(lane, sphere.radius);
