@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 #include <variant>
 
 #include "core/scene/priorities.hpp"
@@ -10,21 +11,25 @@
 namespace tessera::core {
 
 void Enclosing::add(std::uint8_t rank) {
-  const auto end = ranks_.begin() + count_;
-  const auto at = std::upper_bound(ranks_.begin(), end, rank);
-  if (at == ranks_.end()) return;
+  const auto end = materials_.begin() + count_;
+  const auto at = std::ranges::lower_bound(materials_.begin(), end, rank, {}, &Counted::rank);
+  if (at != end && at->rank == rank) {
+    if (at->times < std::numeric_limits<std::uint16_t>::max()) ++at->times;
+    return;
+  }
+  if (at == materials_.end()) return;
   const auto last = count_ < kMaxCount ? end : end - 1;
   std::copy_backward(at, last, last + 1);
-  *at = rank;
+  *at = {rank, 1};
   count_ = static_cast<std::uint8_t>(std::min<std::size_t>(count_ + 1u, kMaxCount));
 }
 
 void Enclosing::remove(std::uint8_t rank) {
-  const auto end = ranks_.begin() + count_;
-  const auto at = std::find(ranks_.begin(), end, rank);
-  if (at == end) return;
+  const auto end = materials_.begin() + count_;
+  const auto at = std::ranges::find(materials_.begin(), end, rank, &Counted::rank);
+  if (at == end || --at->times > 0) return;
   std::copy(at + 1, end, at);
-  ranks_[--count_] = 0;
+  materials_[--count_] = {};
 }
 
 namespace {

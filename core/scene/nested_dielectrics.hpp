@@ -15,16 +15,16 @@
 
 namespace tessera::core {
 
-// The materials with a priority that enclose a point, by rank; one can do so several times. It does not
-// depend on the order of the surfaces crossed.
+// The materials with a priority that enclose a point, by rank, and how many times each: as many as solids of
+// it overlap there. It does not depend on the order of the surfaces crossed.
 class Enclosing {
  public:
-  // Of more than that, the lowest ranks are forgotten.
+  // Of more materials than that, the lowest ranks are forgotten.
   static constexpr std::size_t kMaxCount = 8;
 
   bool empty() const { return count_ == 0; }
   // The rank of the material that fills the point. There must be one.
-  std::uint8_t first() const { return ranks_[0]; }
+  std::uint8_t first() const { return materials_[0].rank; }
   void add(std::uint8_t rank);
   // Nothing happens if it does not enclose the point, as where the camera stands in it.
   void remove(std::uint8_t rank);
@@ -32,7 +32,13 @@ class Enclosing {
   friend bool operator==(const Enclosing&, const Enclosing&) = default;
 
  private:
-  std::array<std::uint8_t, kMaxCount> ranks_{};  // ascending, then zeros
+  struct Counted {
+    std::uint8_t rank = 0;
+    std::uint16_t times = 0;  // up to its largest value: further solids are forgotten
+    friend bool operator==(const Counted&, const Counted&) = default;
+  };
+
+  std::array<Counted, kMaxCount> materials_{};  // of ascending ranks, then zeros
   std::uint8_t count_ = 0;
 };
 

@@ -96,6 +96,22 @@ TEST(NestedDielectrics, AreUnitedWhereTheyHaveTheSameMaterial) {
   expect_transmitted(maker.build(), transmittance_of_stack(1.7, 1.7));
 }
 
+TEST(NestedDielectrics, OfOneMaterialOverlapInAnyNumber) {
+  SceneMaker maker(kAlongZ);
+  const auto material = maker.material(glass(1.7f, 1)), middle = maker.material(glass(1.2f, 2));
+  for (int i = 0; i < 40; ++i)
+    add_slab(maker, -1 - 0.01f * static_cast<float>(i), 1 + 0.01f * static_cast<float>(i), material);
+  for (int i = 0; i < 3; ++i)
+    add_slab(maker, -0.2f - 0.01f * static_cast<float>(i), 0.2f + 0.01f * static_cast<float>(i), middle);
+  maker.add(face(-3, true, maker.material(test::lambert(0), Rgb::gray(1))));
+  const double r = normal_reflectance(1.7), s = normal_reflectance(1.7 / 1.2);
+  const double both = (1 - s) * (1 - s) / (1 - s * s), reflected = s + (1 - s) * (1 - s) * s / (1 - s * s);
+  // The boundaries to the air, around what both of the middle transmit and reflect.
+  const double top = (1 - r) * both / (1 - r * reflected),
+               back = reflected + both * both * r / (1 - r * reflected);
+  expect_transmitted(maker.build(), top * (1 - r) / (1 - back * r));
+}
+
 TEST(NestedDielectrics, CanBePrincipled) {
   expect_transmitted(overlapping_slabs(clear_solid(1.5f, 1), glass(2.2f, 2)).build(),
                      transmittance_of_stack(1.5, 2.2));
