@@ -9,6 +9,6 @@
 
 namespace tessera::core {
 
-inline constexpr std::string_view kDeterminismFingerprint = "b921df2a01dea42c";
+inline constexpr std::string_view kDeterminismFingerprint = "1babfa0636cdabbd";
 
 }  // namespace tessera::core

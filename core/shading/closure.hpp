@@ -43,10 +43,10 @@ template <typename T>
 class ClosureOf {
  public:
   using Lobes = std::tuple<SheenLobe<T>, GgxLobe<T, DielectricReflectance>, GgxLobe<T, EdgeTintReflectance>,
-                           GgxLobe<T, FilmReflectanceOf>, GgxLobe<T, ConductorReflectance>,
+                           GgxLobe<T, FilmedMetal>, GgxLobe<T, ConductorReflectance>,
                            OtherMicrofacetLobe<T, ConductorReflectance>, GlassLobe<T>, ThinGlassLobe<T>,
                            GgxLobe<T, DielectricReflectance>, OtherMicrofacetLobe<T, DielectricReflectance>,
-                           GgxLobe<T, FilmReflectanceOf>, DiffuseLobe<T>, CoveredDiffuseLobe<T>,
+                           GgxLobe<T, FilmedDielectric>, DiffuseLobe<T>, CoveredDiffuseLobe<T>,
                            DiffuseTransmissionLobe<T>>;
   static constexpr std::size_t kSlots = std::tuple_size_v<Lobes>;
 

@@ -96,7 +96,6 @@ class PrincipledClosure {
 
  private:
   using Below = typename ClosureOf<T>::Below;
-  using FilmLobe = GgxLobe<T, FilmReflectanceOf>;
   using DielectricLobe = GgxLobe<T, DielectricReflectance>;
   using MetalLobe = GgxLobe<T, EdgeTintReflectance>;
 
@@ -150,20 +149,21 @@ class PrincipledClosure {
     const MaskOf<T> metal = metalness_ != 0, filmed = film_ > 0;
     if (!any(metal)) return;
     const RgbOf<T> weight = RgbOf<T>::gray(metalness_ * unit(specular_weight_));
+    const EdgeTintReflectance<T> reflectance(unit(base_color_), specular_color_);
     const MaskOf<T> bare = metal & !filmed, covered = metal & filmed;
     if (any(bare))
-      closure_.template add<kMetalSlot>(bare,
-                                        MetalLobe{EdgeTintReflectance<T>(unit(base_color_), specular_color_),
-                                                  facets_.ggx, facets_.smooth, true},
+      closure_.template add<kMetalSlot>(bare, MetalLobe{reflectance, facets_.ggx, facets_.smooth, true},
                                         weight);
-    if (any(covered))
-      closure_.template add<kMetalFilmSlot>(covered, film_over(unit(base_color_)), weight * specular_color_);
+    if (any(covered)) add_under_film<kMetalFilmSlot>(covered, reflectance, weight);
   }
 
-  FilmLobe film_over(RgbOf<T> f0) const {
+  // Adds a lobe whose reflectance the film changes.
+  template <std::size_t kSlot, typename Bare>
+  void add_under_film(const MaskOf<T>& where, const Bare& bare, RgbOf<T> weight, Below below = {}) {
     const T thickness = larger(T(0.0f), model_(&Principled::thin_film_thickness));
-    return {FilmReflectanceOf<T>(f0, film_, bounded_ior(model_(&Principled::thin_film_ior)), thickness),
-            facets_.ggx, facets_.smooth, true};
+    const ThinFilmOf<T> film(bare.normal(), film_, bounded_ior(model_(&Principled::thin_film_ior)),
+                             thickness);
+    closure_.template add<kSlot>(where, {{bare, film}, facets_.ggx, facets_.smooth, true}, weight, below);
   }
 
   void add_transmission() {
@@ -195,12 +195,11 @@ class PrincipledClosure {
     const T eta = reweighed_index(select(over < 1, 1 / over, over), specular_weight_);
     const RgbOf<T> tint = specular_color_ * weight;
     const MaskOf<T> bare = opaque & !filmed, covered = opaque & filmed;
+    const DielectricReflectance<T> reflectance{eta};
     if (any(bare))
-      closure_.template add<kBoundarySlot>(bare, DielectricLobe{{eta}, facets_.ggx, facets_.smooth, true},
-                                           tint, Below{T(1.0f)});
-    if (any(covered))
-      closure_.template add<kBoundaryFilmSlot>(covered, film_over(RgbOf<T>::gray(normal_reflectance(eta))),
-                                               tint, Below{T(1.0f)});
+      closure_.template add<kBoundarySlot>(
+          bare, DielectricLobe{reflectance, facets_.ggx, facets_.smooth, true}, tint, Below{T(1.0f)});
+    if (any(covered)) add_under_film<kBoundaryFilmSlot>(covered, reflectance, tint, Below{T(1.0f)});
     const RgbOf<T> below = share(&Principled::subsurface_color) * subsurface_;
     // OpenPBR 1.1, section "Thin-walled case".
     const T forward = model_.number(&Principled::subsurface_scatter_anisotropy);

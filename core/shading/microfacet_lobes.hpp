@@ -58,6 +58,24 @@ class EdgeTintReflectance {
   RgbOf<T> f0_, dip_;  // what is taken off at cos (1 - cos)^6
 };
 
+// A surface under a thin film.
+template <typename T, typename Bare>
+struct FilmedReflectance {
+  RgbOf<T> operator()(T cos_i) const {
+    const RgbOf<T> reflected = bare(cos_i) + film.change(cos_i);
+    return {clamp_between(reflected.r, 0.0f, 1.0f), clamp_between(reflected.g, 0.0f, 1.0f),
+            clamp_between(reflected.b, 0.0f, 1.0f)};
+  }
+  RgbOf<T> normal() const { return (*this)(T(1.0f)); }
+
+  Bare bare;
+  ThinFilmOf<T> film;
+};
+template <typename T>
+using FilmedMetal = FilmedReflectance<T, EdgeTintReflectance<T>>;
+template <typename T>
+using FilmedDielectric = FilmedReflectance<T, DielectricReflectance<T>>;
+
 template <typename T>
 const DirectionalAlbedo& albedos_of(const AnisotropicGgxOf<T>&) {
   return DirectionalAlbedo::tables();

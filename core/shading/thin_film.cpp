@@ -16,36 +16,58 @@ struct Gaussian {
   double weight, mean, variance;
 
   // The real part of its Fourier transform.
-  double transformed(double phase, double shift) const {
+  double transformed(double phase) const {
     return weight * std::sqrt(2 * static_cast<double>(kPi) * variance) *
-           static_cast<double>(cos(static_cast<float>(mean * phase + shift))) *
-           exp(-variance * phase * phase);
+           static_cast<double>(cos(static_cast<float>(mean * phase))) * exp(-variance * phase * phase);
   }
 };
 
-// The observer's response to the interference of waves that differ by a length and a phase, in Rec. 709.
-Rgb response(float difference_nm, float shift) {
+// The observer's response to the interference of waves that differ by a length, in Rec. 709.
+Rgb response(float difference_nm) {
   constexpr Gaussian kX{5.4856e-13, 1.6810e6, 4.3278e9}, kX2{9.7470e-14, 2.2399e6, 4.5282e9},
       kY{4.4201e-13, 1.7953e6, 9.3046e9}, kZ{5.2481e-13, 2.2084e6, 6.6121e9};
   constexpr double kNormalization = 1.0685e-7;
   const double phase = 2 * static_cast<double>(kPi) * static_cast<double>(difference_nm) * 1e-9;
-  const auto s = static_cast<double>(shift);
-  const auto x = static_cast<float>((kX.transformed(phase, s) + kX2.transformed(phase, s)) / kNormalization);
-  const auto y = static_cast<float>(kY.transformed(phase, s) / kNormalization);
-  const auto z = static_cast<float>(kZ.transformed(phase, s) / kNormalization);
+  const auto x = static_cast<float>((kX.transformed(phase) + kX2.transformed(phase)) / kNormalization);
+  const auto y = static_cast<float>(kY.transformed(phase) / kNormalization);
+  const auto z = static_cast<float>(kZ.transformed(phase) / kNormalization);
   return {3.2404542f * x - 1.5371385f * y - 0.4985314f * z, -0.9692660f * x + 1.8760108f * y + 0.0415560f * z,
           0.0556434f * x - 0.2040259f * y + 1.0572252f * z};
 }
-
-// response() of a channel; index 0 is red.
-template <typename T>
-T response_of(int channel, T difference_nm, T shift) {
-  return in_each_lane([channel](float d, float s) { return response(d, s)[channel]; }, difference_nm, shift);
+RgbOf<FloatN> response(FloatN difference_nm) {
+  const FloatLanes differences(difference_nm);
+  RgbLanes responses;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) responses.set(lane, response(differences[lane]));
+  return responses.all();
 }
 
+// The amplitudes that a boundary reflects of light polarised across and along the plane of incidence (Born
+// and Wolf 1999, section 1.5.2, eq. 21), by the index on the far side over the near side.
 template <typename T>
-T schlick(T cos_i, T f0) {
-  return fresnel_schlick(cos_i, RgbOf<T>::gray(f0)).r;
+struct Amplitudes {
+  Amplitudes(T cos_i, T cos_t, T eta)
+      : across((cos_i - eta * cos_t) / (cos_i + eta * cos_t)),
+        along((eta * cos_i - cos_t) / (eta * cos_i + cos_t)) {}
+  T across, along;
+};
+
+// The cosine below a boundary to the index `ior`, at least 1, from air.
+template <typename T>
+T cos_below(T cos_i, T ior) {
+  using std::sqrt;
+  return sqrt((ior - 1) * (ior + 1) + cos_i * cos_i) / ior;
+}
+
+// Reflections between the film's two sides, summed as a series of which two interfering terms are kept
+// (Belcour and Barla 2017, eq. 10), for one polarisation. The responses are those to once and twice the
+// film's path.
+template <typename T>
+T interfering(T upper_amplitude, T lower_amplitude, T once, T twice) {
+  const T upper = upper_amplitude * upper_amplitude, lower = lower_amplitude * lower_amplitude;
+  const T through = 1 - upper;
+  const T constant = through * through * lower / (1 - upper * lower);
+  const T amplitude = -upper_amplitude * lower_amplitude;  // from inside, the upper side turns the phase
+  return upper + constant + 2 * (constant - through) * amplitude * (once + amplitude * twice);
 }
 
 template <typename T>
@@ -54,6 +76,8 @@ T index_of(T f0) {
   const T r = sqrt(smaller(f0, T(0.9999f)));
   return (1 + r) / (1 - r);
 }
+
+constexpr float kLeastCos = 1e-4f;  // at grazing angles, where everything reflects, there is no film
 
 // Films thinner than 30 nm fade away.
 template <typename T>
@@ -65,47 +89,30 @@ T fade_in(T thickness_nm) {
 }  // namespace
 
 template <typename T>
-FilmReflectanceOf<T>::FilmReflectanceOf(RgbOf<T> f0, T weight, T film_ior, T thickness)
-    : f0_(f0),
-      base_ior_{index_of(f0.r), index_of(f0.g), index_of(f0.b)},
+ThinFilmOf<T>::ThinFilmOf(RgbOf<T> f0, T weight, T film_ior, T thickness)
+    : base_ior_{index_of(f0.r), index_of(f0.g), index_of(f0.b)},
       weight_(weight),
       film_ior_(1 + (film_ior - 1) * fade_in(1000 * thickness)),
       thickness_nm_(smaller(1000 * thickness, T(1e4f))) {}
 
 template <typename T>
-RgbOf<T> FilmReflectanceOf<T>::operator()(T cos_i) const {
-  const RgbOf<T> bare = fresnel_schlick(cos_i, f0_);
-  return bare + (covered(cos_i) - bare) * weight_;
-}
-
-// Reflections between the film's two sides, summed as a series of which two interfering terms are kept
-// (ibid., eq. 10).
-template <typename T>
-RgbOf<T> FilmReflectanceOf<T>::covered(T cos_i) const {
-  using std::sqrt;
-  const T sin2 = (1 - cos_i * cos_i) / (film_ior_ * film_ior_);
-  const T cos_t = sqrt(larger(T(0.0f), 1 - sin2));
-  const T upper = schlick(cos_i, normal_reflectance(film_ior_)), through = 1 - upper;
-  const T difference = 2 * film_ior_ * thickness_nm_ * cos_t;
-  const auto channel = [&](T base_ior, int index) {
-    const T lower = schlick(cos_t, normal_reflectance(base_ior / film_ior_));
-    const T both = upper * lower, amplitude = sqrt(both);
-    const T constant = through * through * lower / (1 - both);
-    // Reflection at the denser side turns the phase by half a turn.
-    const T shift = select(base_ior < film_ior_, T(2 * kPi), T(kPi));
-    T order = constant - through, sum = upper + constant;
-    for (int m = 1; m <= 2; ++m) {
-      const auto times = static_cast<float>(m);
-      order = order * amplitude;
-      sum = sum + order * 2 * response_of(index, T(times * difference), T(times * shift));
-    }
-    return clamp_between(sum, 0.0f, 1.0f);
+RgbOf<T> ThinFilmOf<T>::change(T cos_i) const {
+  cos_i = clamp_between(cos_i, kLeastCos, 1.0f);
+  const T cos_film = cos_below(cos_i, film_ior_);
+  const Amplitudes<T> upper(cos_i, cos_film, film_ior_);
+  const T difference = 2 * film_ior_ * thickness_nm_ * cos_film;
+  const RgbOf<T> once = response(difference), twice = response(2 * difference);
+  const auto channel = [&](T base_ior, T once_of_it, T twice_of_it) {
+    const Amplitudes<T> lower(cos_film, cos_below(cos_i, base_ior), base_ior / film_ior_);
+    const T across = interfering(upper.across, lower.across, once_of_it, twice_of_it);
+    const T along = interfering(upper.along, lower.along, once_of_it, twice_of_it);
+    return weight_ * ((across + along) / 2 - fresnel_dielectric<T>(cos_i, base_ior));
   };
-  const RgbOf<T> inside{channel(base_ior_.r, 0), channel(base_ior_.g, 1), channel(base_ior_.b, 2)};
-  return select(sin2 >= 1, RgbOf<T>::gray(1), inside);
+  return {channel(base_ior_.r, once.r, twice.r), channel(base_ior_.g, once.g, twice.g),
+          channel(base_ior_.b, once.b, twice.b)};
 }
 
-template class FilmReflectanceOf<float>;
-template class FilmReflectanceOf<FloatN>;
+template class ThinFilmOf<float>;
+template class ThinFilmOf<FloatN>;
 
 }  // namespace tessera::core::shading

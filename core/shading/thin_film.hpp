@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reflectance of a surface under a thin film, whose interference colours it (Belcour and Barla 2017). T
-// is float for one point, or FloatN for one in each lane.
+// What a thin film changes in the reflectance of a surface, which its interference colours (Belcour and Barla
+// 2017). T is float for one point, or FloatN for one in each lane.
 #pragma once
 
 #include "core/math/rgb.hpp"
@@ -9,24 +9,23 @@
 namespace tessera::core::shading {
 
 template <typename T>
-class FilmReflectanceOf {
+class ThinFilmOf {
  public:
-  FilmReflectanceOf() = default;  // black
+  ThinFilmOf() = default;  // no film
   // `f0` is the reflectance of the bare surface at normal incidence. The film covers the share `weight` of
   // it; its thickness is in micrometres.
-  FilmReflectanceOf(RgbOf<T> f0, T weight, T film_ior, T thickness);
+  ThinFilmOf(RgbOf<T> f0, T weight, T film_ior, T thickness);
 
-  RgbOf<T> operator()(T cos_i) const;
-  RgbOf<T> normal() const { return (*this)(T(1.0f)); }
+  // The reflectance less that of the bare surface, both as of dielectrics of the index that reflects f0. It
+  // is zero for a film of no thickness, of air, or of the surface's own index.
+  RgbOf<T> change(T cos_i) const;
 
  private:
-  RgbOf<T> covered(T cos_i) const;
-
-  RgbOf<T> f0_, base_ior_;
+  RgbOf<T> base_ior_ = RgbOf<T>::gray(1);
   T weight_ = 0.0f, film_ior_ = 1.0f, thickness_nm_ = 0.0f;
 };
-using FilmReflectance = FilmReflectanceOf<float>;
-extern template class FilmReflectanceOf<float>;
-extern template class FilmReflectanceOf<FloatN>;
+using ThinFilm = ThinFilmOf<float>;
+extern template class ThinFilmOf<float>;
+extern template class ThinFilmOf<FloatN>;
 
 }  // namespace tessera::core::shading

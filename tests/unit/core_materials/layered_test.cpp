@@ -9,7 +9,7 @@
 
 #include "core/materials/directional_albedo.hpp"
 #include "core/sampling/sampler.hpp"
-#include "core/shading/thin_film.hpp"
+#include "core/shading/microfacet_lobes.hpp"
 #include "tests/unit/core_materials/bsdf_cases.hpp"
 
 namespace tessera::core {
@@ -189,16 +189,47 @@ TEST(Conductor, IsBrushedAlongItsTangent) {
   EXPECT_NEAR(along_x.evaluate(wo, x).value.g, along_y.evaluate(wo, y).value.g, 1e-5f);
 }
 
+float reflected_under_film(float base_ior, float film_ior, float thickness_um, float cos_i = 1,
+                           float weight = 1) {
+  const shading::DielectricReflectance<float> bare{base_ior};
+  return shading::FilmedDielectric<float>{bare, {bare.normal(), weight, film_ior, thickness_um}}(cos_i).g;
+}
+
 // Without interference, a film adds the reflections of both its sides.
 TEST(ThinFilm, HasClosedForms) {
-  const float top = 0.04f, bottom = fresnel_dielectric(1, 2.0f / 1.5f), base = fresnel_dielectric(1, 2);
-  const Rgb thick = shading::FilmReflectance(Rgb::gray(base), 1, 1.5f, 50)(1);
-  EXPECT_NEAR(thick.g, top + (1 - top) * (1 - top) * bottom / (1 - top * bottom), 1e-4f);
-  EXPECT_NEAR(shading::FilmReflectance(Rgb::gray(base), 1, 1.5f, 0)(1).g, base, 1e-5f);
-  EXPECT_NEAR(shading::FilmReflectance(Rgb::gray(base), 0, 1.5f, 0.4f)(1).g, base, 1e-5f);
+  const float top = 0.04f, bottom = fresnel_dielectric(1, 2.0f / 1.5f);
+  const float thick = top + (1 - top) * (1 - top) * bottom / (1 - top * bottom);
+  EXPECT_NEAR(reflected_under_film(2, 1.5f, 50), thick, 1e-4f);
   // A quarter of a wave of green light in a film of 1.5: the coating of a lens.
-  const Rgb coated = shading::FilmReflectance(Rgb::gray(base), 1, 1.5f, 0.55f / 4 / 1.5f)(1);
-  EXPECT_LT(coated.g, 0.5f * thick.g);
+  EXPECT_LT(reflected_under_film(2, 1.5f, 0.55f / 4 / 1.5f), 0.5f * thick);
+}
+
+// Each polarisation by itself, at an angle where Schlick's approximation is far off.
+TEST(ThinFilm, ReflectsBothPolarisations) {
+  const double cos_i = 0.3, sin2 = 1 - cos_i * cos_i, cos_film = std::sqrt(1 - sin2 / (1.5 * 1.5)),
+               cos_base = std::sqrt(1 - sin2 / (2.0 * 2.0));
+  const auto both_sides = [](double upper, double lower) {
+    upper *= upper, lower *= lower;
+    return upper + (1 - upper) * (1 - upper) * lower / (1 - upper * lower);
+  };
+  const auto amplitude = [](double a, double b) { return (a - b) / (a + b); };
+  const double across = both_sides(amplitude(cos_i, 1.5 * cos_film), amplitude(1.5 * cos_film, 2 * cos_base));
+  const double along = both_sides(amplitude(1.5 * cos_i, cos_film), amplitude(2 * cos_film, 1.5 * cos_base));
+  EXPECT_NEAR(reflected_under_film(2, 1.5f, 50, static_cast<float>(cos_i)), (across + along) / 2, 1e-4);
+}
+
+TEST(ThinFilm, ChangesNothingWithoutABoundary) {
+  for (const float cos_i : {1.0f, 0.5f, 0.1f, 0.0f}) {
+    const float bare = fresnel_dielectric(cos_i, 1.5f);
+    EXPECT_NEAR(reflected_under_film(1.5f, 1.5f, 0.3f, cos_i), bare, 1e-5f);
+    EXPECT_NEAR(reflected_under_film(1.5f, 1, 0.3f, cos_i), bare, 1e-5f);
+    EXPECT_NEAR(reflected_under_film(1.5f, 1.4f, 0, cos_i), bare, 1e-5f);
+    EXPECT_NEAR(reflected_under_film(1.5f, 1.4f, 0.3f, cos_i, 0), bare, 1e-5f);
+    const shading::EdgeTintReflectance<float> gold({0.9f, 0.5f, 0.3f}, {1, 0.8f, 0.6f});
+    const Rgb metal = shading::FilmedMetal<float>{gold, {gold.normal(), 1, 1.4f, 0}}(cos_i);
+    EXPECT_NEAR(metal.r, gold(cos_i).r, 1e-5f);
+    EXPECT_NEAR(metal.b, gold(cos_i).b, 1e-5f);
+  }
 }
 
 // A smooth coat over a diffuse base has samples of both kinds, whose mean is their sum.
