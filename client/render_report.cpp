@@ -59,7 +59,8 @@ void warn_about_blackness(const core::Film& film) {
     if (std::any_of(sums.begin(), sums.end(), [](std::uint64_t sum) { return sum > 0; })) return;
   }
   print_warning(
-      "the image is black: no light reaches the camera; is it inside something, or does it look away?");
+      "the image is black: no light above 1e-8 reaches the camera; is it inside something, or does it look "
+      "away?");
 }
 
 std::string progress_text(const core::Film& film, const RenderStats& stats) {

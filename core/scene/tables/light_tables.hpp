@@ -101,9 +101,8 @@ inline constexpr auto kKeys<EnvironmentDescription> = Table{
     PartKey{
         "texture", &EnvironmentDescription::radiance, &ColorParameter::texture, domains::kTextureName,
         "an equirectangular image, twice as wide as high, preferably HDR. Its centre is at −z, to the right "
-        "of "
-        "that is +x, its upper edge is +y. The texture must not have `wrap`, `scale`, `shear`, `offset` or "
-        "`uv_set`",
+        "of that is +x, its upper edge is +y. The texture must not have `wrap`, `scale`, `shear`, `offset`, "
+        "`filter` or `uv_set`",
         KeyTraits{.otherwise = "none"}},
     PartKey{"radiance", &EnvironmentDescription::radiance, &ColorParameter::value, domains::kEnvironmentColor,
             "the radiance from every direction; multiplies the texture", KeyTraits{.has_keyframes = true}},

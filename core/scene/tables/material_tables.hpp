@@ -317,7 +317,8 @@ inline constexpr Key kEmissionSides{
 inline constexpr Key kVisibleToCamera{
     "visible_to_camera", &Material::visible_to_camera, domains::kTruth,
     "whether camera rays meet the surface. Otherwise they pass as if it were not there; it still emits, "
-    "reflects and casts shadows, and shows in mirrors and through glass"};
+    "reflects and casts shadows, and shows in mirrors and through glass. What lies in solid glass that the "
+    "camera does not see is brighter by the square of the index, as radiance in glass is"};
 inline constexpr Key kGroup{"group", &Material::light_group, domains::kLightGroup,
                             "the [light group](#light-groups) of what the material emits",
                             KeyTraits{.otherwise = "none"}};
