@@ -110,7 +110,7 @@ Result<DecodedImage> decode_pixels(std::string_view bytes, const DecodeOptions& 
   if (codec == nullptr) return unknown_format(bytes);
   if (!options.layer.empty() && codec != &kExrCodec)
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("is a {} image, and only OpenEXR files have layers", codec->name));
+                fmt::format("has the format {}, and only OpenEXR files have layers", codec->name));
   return with_memory([&]() -> Result<DecodedImage> {
     const auto size = size_with(*codec, bytes);
     if (!size) return fail(size.error());

@@ -14,7 +14,7 @@ namespace tessera::core::pbrt {
 void Interpreter::tell_redefinition(const File& file, std::string_view what, const std::string& name) const {
   report_.warn(
       place(file), fmt::format("another {}", what),
-      fmt::format("there is a {} {} already; this one replaces it from here on", what, in_quotes(name)));
+      fmt::format("the {} {} exists already; this one replaces it from here on", what, in_quotes(name)));
 }
 
 // --- Materials, textures, media

@@ -119,7 +119,7 @@ Status Textures::define(const std::string& name, const std::string& type, const 
   if (!textures.insert_or_assign(name, *texture).second)
     report_.warn(
         p.place(), "another texture",
-        fmt::format("there is a texture {} already; this one replaces it from here on", in_quotes(name)));
+        fmt::format("the texture {} exists already; this one replaces it from here on", in_quotes(name)));
   return {};
 }
 

@@ -76,8 +76,8 @@ TEST_F(Channels, OfALayerAreListedTogetherAndAllOthersAlone) {
 }
 
 TEST_F(Channels, OfOtherFormatsCannotBeChosen) {
-  EXPECT_THAT(decode_image(encoded(ImageFormat::kPfm), "Normal").error().message,
-              HasSubstr("only OpenEXR files have layers"));
+  EXPECT_EQ(decode_image(encoded(ImageFormat::kPfm), "Normal").error().message,
+            "has the format PFM, and only OpenEXR files have layers");
 }
 
 TEST_F(Channels, BeginWithTheColoursOfFormatsWithoutOthers) {

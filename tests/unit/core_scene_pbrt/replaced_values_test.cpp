@@ -224,9 +224,11 @@ TEST(PbrtReplacedValues, OfShapesAndMedia) {
        "2: the parameter 'sigma_a' of the medium 'homogeneous' is ignored, because there is a \"preset\""},
       {"MakeNamedMaterial \"a\" \"string type\" \"diffuse\"\nMakeNamedMaterial \"a\" \"string type\" "
        "\"diffuse\"",
-       "3: there is a material 'a' already; this one replaces it from here on"},
+       "3: the material 'a' exists already; this one replaces it from here on"},
       {"Texture \"a\" \"float\" \"constant\"\nTexture \"a\" \"float\" \"constant\"",
-       "3: there is a texture 'a' already; this one replaces it from here on"},
+       "3: the texture 'a' exists already; this one replaces it from here on"},
+      {"ObjectBegin \"a\" ObjectEnd\nObjectBegin \"a\" ObjectEnd",
+       "3: the object 'a' exists already; this one replaces it from here on"},
   };
   for (const Replaced& one : table)
     expect_told(one, test::pbrt_world(std::string(one.directives) + "\n" + kPbrtTriangle));
