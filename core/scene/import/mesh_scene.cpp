@@ -21,35 +21,46 @@ constexpr int kMeshSceneWidthPx = 800, kMeshSceneHeightPx = 600;
 // Printers build upwards along z; the front of a print is at the lower edge of its plate.
 constexpr SceneDefaults kStlDefaults{.up = {0, 0, 1}, .front = {0, -1, 0}};
 
+// The mesh; an error gets the name of the file.
+Result<MeshDescription> named(const std::string& file, Result<MeshDescription> mesh) {
+  if (mesh) return mesh;
+  return fail(mesh.error().code, fmt::format("{} {}", in_quotes(file), mesh.error().message));
+}
+
+Result<ObjFile> read_obj_file(SceneBuilder& builder) {
+  const std::string name = builder.shown(builder.scene_path());
+  const auto bytes = builder.read(builder.scene_path());
+  if (!bytes) return fail(bytes.error().within(name));
+  return read_obj(*bytes, name, builder.limits().triangles, builder.limits().warnings);
+}
+
 Result<MeshDescription> read_obj_mesh(SceneBuilder& builder, ObjMaterials& materials) {
   const std::string& path = builder.scene_path();
-  const auto obj = builder.files().obj(path);
+  const std::string name = builder.shown(path);
+  const auto obj = read_obj_file(builder);
   if (!obj) return fail(obj.error());
-  builder.warnings().of(builder.shown(path)) = (*obj)->text.warnings;
-  const auto of_runs = materials.of_runs(path, **obj, std::nullopt);
-  if (!of_runs) return fail(of_runs.error());
-  auto mesh = build_mesh(**obj, NormalsMode::kFile, Transform(), *of_runs);
-  if (!mesh) return fail(mesh.error().code, fmt::format("{} {}", in_quotes(path), mesh.error().message));
-  materials.settle_bump_heights(*mesh);
+  builder.warnings().of(name) = obj->text.warnings;
+  const auto of_runs = materials.of_runs(path, *obj, std::nullopt);
+  if (!of_runs) return fail(of_runs.error().within(name));
+  auto mesh = named(name, build_mesh(*obj, NormalsMode::kFile, Transform(), *of_runs));
+  if (mesh) materials.settle_bump_heights(*mesh);
   return mesh;
 }
 
 Result<MeshDescription> read_indexed_mesh(SceneBuilder& builder, ObjMaterials& materials,
                                           SceneFormat format) {
-  const std::string& path = builder.scene_path();
-  auto bytes = builder.read(path);
-  if (!bytes) return fail(bytes.error());
+  const std::string name = builder.shown(builder.scene_path());
+  auto bytes = builder.read(builder.scene_path());
+  if (!bytes) return fail(bytes.error().within(name));
   const SceneLimit& limit = builder.limits().triangles;
-  auto file = format == SceneFormat::kStl ? read_stl(*bytes, path, limit) : read_ply(*bytes, path, limit);
+  auto file = format == SceneFormat::kStl ? read_stl(*bytes, name, limit) : read_ply(*bytes, name, limit);
   if (!file) return fail(file.error());
   *bytes = std::string();  // frees it
-  FileWarnings& warnings = builder.warnings().of(builder.shown(path));
+  FileWarnings& warnings = builder.warnings().of(name);
   warnings = file->warnings;
   file->mesh.triangle_materials = {materials.default_material(!file->mesh.colors.empty())};
-  auto mesh = build_indexed_mesh(std::move(file->mesh), NormalsMode::kFile, Transform(), VertexColors::kUse,
-                                 warnings);
-  if (!mesh) return fail(mesh.error().code, fmt::format("{} {}", in_quotes(path), mesh.error().message));
-  return mesh;
+  return named(name, build_indexed_mesh(std::move(file->mesh), NormalsMode::kFile, Transform(),
+                                        VertexColors::kUse, warnings));
 }
 
 }  // namespace
@@ -64,7 +75,7 @@ Result<SceneDescription> read_mesh_scene(AssetSource& assets, const std::string&
   if (!format) return fail(format.error().within(display_path));
   auto mesh = *format == SceneFormat::kObj ? read_obj_mesh(builder, materials)
                                            : read_indexed_mesh(builder, materials, *format);
-  if (!mesh) return fail(mesh.error().within(display_path));
+  if (!mesh) return fail(mesh.error());
   if (auto counted = builder.count_triangles(scene_path, mesh->triangles.size()); !counted)
     return fail(counted.error().within(display_path));
   builder.add_shape(std::move(*mesh), scene_path, std::nullopt, {scene_path});

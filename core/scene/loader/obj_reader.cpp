@@ -62,6 +62,7 @@ class FaceReader : private std::streambuf {
   Status count_triangles(std::size_t more) const;
   Status check_enough_is_left() const;
   std::string missing(int index, const Counts& counts) const;
+  int line_of_broken(std::int32_t position) const;
   void add(const std::array<std::uint32_t, 3>& triangle);
 
   template <typename Text>
@@ -203,7 +204,8 @@ bool FaceReader::add_corner(const tinyobj::index_t& written) {
   const std::int32_t position = resolve(v, positions_);
   if (!is_finite(file_.text.positions[static_cast<std::size_t>(position)])) {
     leave_out("broken v", [&] {
-      return fmt::format("a face refers to 'v' number {}, which is not 3 finite numbers", position + 1);
+      return fmt::format("a face refers to 'v' number {} in line {}, which is not 3 finite numbers",
+                         position + 1, line_of_broken(position));
     });
     return false;
   }
@@ -225,6 +227,11 @@ std::string FaceReader::missing(int index, const Counts& counts) const {
                        counts.seen);
   return fmt::format("a face refers to '{}' number {}, but the file has only {}", counts.statement, index,
                      counts.total);
+}
+
+int FaceReader::line_of_broken(std::int32_t position) const {
+  return std::ranges::lower_bound(file_.text.broken_vertices, position, {}, &ObjText::BrokenVertex::position)
+      ->line;
 }
 
 // Rejects a file with too few usable faces, instead of showing a few triangles.

@@ -104,6 +104,7 @@ void ObjScanner::vertex(std::string_view line) {
       return fmt::format("a vertex must be 3 finite numbers, got {}; faces that use it are left out",
                          in_quotes(line));
     });
+    obj_.broken_vertices.push_back({static_cast<std::int32_t>(obj_.positions.size()), lines_.number()});
     obj_.positions.push_back({kNan, kNan, kNan});
   } else {
     obj_.positions.push_back({values[0], values[1], values[2]});

@@ -3,6 +3,7 @@
 // which may refer to later vertices. Stateless; thread-safe.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,13 +21,18 @@ struct ObjText {
     std::string name;  // the rest of a "mtllib" line
     int line = 0;
   };
+  struct BrokenVertex {
+    std::int32_t position;
+    int line;
+  };
 
-  std::vector<Vec3> positions;   // as many as "v" lines; not finite where the line has no 3 finite numbers
-  std::vector<Vec3> normals;     // "vn"; finite, and 0 for one that is none
-  std::vector<Vec2> uvs;         // "vt"; finite
-  std::vector<Vec2> second_uvs;  // beside `uvs`, of other formats; or empty
-  std::vector<Rgb> colors;       // linear, one per position; empty if no vertex has one
-  std::vector<VertexTangent> tangents;  // one per position, of other formats; or empty
+  std::vector<Vec3> positions;  // as many as "v" lines; not finite where the line has no 3 finite numbers
+  std::vector<BrokenVertex> broken_vertices;  // those not finite, in their order
+  std::vector<Vec3> normals;                  // "vn"; finite, and 0 for one that is none
+  std::vector<Vec2> uvs;                      // "vt"; finite
+  std::vector<Vec2> second_uvs;               // beside `uvs`, of other formats; or empty
+  std::vector<Rgb> colors;                    // linear, one per position; empty if no vertex has one
+  std::vector<VertexTangent> tangents;        // one per position, of other formats; or empty
   std::vector<Library> libraries;
   int first_face_line = 0;
   std::size_t face_count = 0;  // at least 1

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "core/scene/import/scene_bounds.hpp"
@@ -19,6 +20,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
+using testing::StartsWith;
 
 // A roof of two triangles; `more` are further properties of faces, `first` and `second` their values.
 std::string roof_ply(const std::string& more = "", const std::string& first = "",
@@ -87,10 +89,18 @@ TEST(BareMesh, IsRecognisedByItsContent) {
   EXPECT_THAT(bare("scan", roof_ply()).shapes, SizeIs(1));
 }
 
-TEST(BareMesh, IsRefusedWithItsNameIfBroken) {
-  const auto scene = load_bare("t.ply", "ply\n");
-  ASSERT_FALSE(scene);
-  EXPECT_THAT(scene.error().message, HasSubstr("folder/t.ply: 't.ply' is a broken PLY file"));
+TEST(BareMesh, IsRefusedWithItsNameOnceIfBroken) {
+  const std::string flat = "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n";
+  for (const auto& [name, content, message] :
+       {std::tuple("t.ply", std::string("ply\n"), "'folder/t.ply' is a broken PLY file ("),
+        std::tuple("t.stl", std::string("solid t\nfacet"), "'folder/t.stl' "),
+        std::tuple("t.obj", std::string("v 0 0 0\n"), "folder/t.obj: the file has no faces"),
+        std::tuple("t.obj", flat, "'folder/t.obj' has no face with an area greater than 0")}) {
+    const auto scene = load_bare(name, content);
+    ASSERT_FALSE(scene);
+    EXPECT_THAT(scene.error().message, StartsWith(message));
+    EXPECT_EQ(scene.error().message.find(name), scene.error().message.rfind(name)) << scene.error().message;
+  }
 }
 
 TEST(Formats, WithoutReaderAreRefusedByASentence) {

@@ -239,7 +239,8 @@ TEST(Obj, LeavesOutFacesOfVerticesThatAreNoNumbers) {
       (std::vector<std::string>{
           "x.obj:5: a vertex must be 3 finite numbers, got '1 inf 0'; faces that use it are left out (3 "
           "times)",
-          "x.obj:9: a face refers to 'v' number 5, which is not 3 finite numbers; the face is left out (3 "
+          "x.obj:9: a face refers to 'v' number 5 in line 5, which is not 3 finite numbers; the face is left "
+          "out (3 "
           "times)"}));
 }
 
@@ -323,6 +324,10 @@ TEST(Obj, IsRefusedWithoutFaces) {
       {kFourCorners + "f 1 2\n",
        "1 of 1 faces cannot be used; is the file complete? The first: line 5: a face must have at least 3 "
        "corners, got 2"},
+      {"v 0 0 0\n# one\nv 1 nan 0\nv 0 1 0\nf 1 3 2\n",
+       "1 of 1 faces cannot be used; is the file complete? The first: line 5: a face refers to 'v' number 2 "
+       "in "
+       "line 3, which is not 3 finite numbers"},
   };
   for (const auto& [text, message] : cases) EXPECT_EQ(obj_error(text), "x.obj: " + message) << text;
 }
