@@ -55,6 +55,9 @@ class PlyReader {
   void read_face(const PlyElement& element);
   Status add_face();
   Status add_polygon();
+  // `why()` describes the current face.
+  template <typename Why>
+  void leave_out(std::string_view kind, const Why& why);
   Status add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
   void add_triangle_attributes(const PlyElement& element, std::size_t triangles_before);
   Status read_strips(const PlyElement& element);
@@ -85,9 +88,13 @@ class PlyReader {
   MeshAttributes attributes_;
   MeshFile file_;
   bool has_vertices_ = false, has_materials_ = false;
+  bool has_wrong_count_ = false;  // a row has more corners than the file
+  std::string first_left_out_;    // of the faces: which, and why
   // Faces that stand before the vertices, and where their rows begin.
   std::vector<std::pair<const PlyElement*, PlyValues>> before_vertices_;
-  // Of one face; kept to reuse their memory.
+  // Of one face; the lists are kept to reuse their memory.
+  std::uint64_t row_number_ = 0;   // from 1, within its element
+  std::int64_t corner_count_ = 0;  // as written
   std::vector<std::uint32_t> corners_;
   std::vector<float> row_;  // one for each property
   std::vector<Vec3> outline_;
@@ -104,7 +111,10 @@ Result<MeshFile> PlyReader::read() {
     if (auto done = read_rows(*element); !done) return fail(done.error());
   }
   if (file_.mesh.triangles.empty())
-    return fail(ErrorCode::kInvalidArgument, "has no faces; clouds of points cannot be rendered");
+    return fail(ErrorCode::kInvalidArgument,
+                first_left_out_.empty()
+                    ? "has no faces; clouds of points cannot be rendered"
+                    : fmt::format("has no face that can be used; the first: {}", first_left_out_));
   const std::size_t triangles = file_.mesh.triangles.size();
   file_.mesh.triangle_materials.resize(has_materials_ ? triangles : 1);
   for (MeshAttribute& attribute : file_.attributes)
@@ -115,6 +125,9 @@ Result<MeshFile> PlyReader::read() {
 Status PlyReader::read_rows(const PlyElement& element) {
   if (auto done = read_element(element); !done) return done;
   if (!values_.failed()) return {};
+  if (has_wrong_count_)
+    return broken(fmt::format("it ends in row {} of {}, which says that it has {} corners", row_number_,
+                              in_quotes(element.name), corner_count_));
   return broken(values_.is_binary() || values_.bytes_left() == 0
                     ? fmt::format("it ends among the rows of {}", in_quotes(element.name))
                     : fmt::format("a row of {} has something else than numbers", in_quotes(element.name)));
@@ -252,14 +265,15 @@ void PlyReader::skip_rows(const PlyElement& element) {
 
 void PlyReader::read_corners(const PlyProperty& property) {
   corners_.clear();
-  const std::int64_t count = values_.next_integer(property.count_type);
-  if (count <= 0) return;
+  corner_count_ = values_.next_integer(property.count_type);
+  if (corner_count_ <= 0) return;
   const std::size_t value_size = values_.is_binary() ? size_of(property.type) : 1;
-  if (!values_.may_follow(static_cast<std::uint64_t>(count), value_size)) {
-    values_.skip(property.type, static_cast<std::uint64_t>(count));  // fails
+  if (!values_.may_follow(static_cast<std::uint64_t>(corner_count_), value_size)) {
+    values_.skip(property.type, static_cast<std::uint64_t>(corner_count_));  // fails
+    has_wrong_count_ = true;
     return;
   }
-  for (std::int64_t i = 0; i < count; ++i)
+  for (std::int64_t i = 0; i < corner_count_; ++i)
     corners_.push_back(vertex_index(values_.next_integer(property.type)));
 }
 
@@ -275,7 +289,9 @@ Status PlyReader::read_faces(const PlyElement& element) {
   }
   for (std::uint64_t row = 0; row < element.count && !values_.failed(); ++row) {
     const std::size_t before = file_.mesh.triangles.size();
+    row_number_ = row + 1;
     read_face(element);
+    if (values_.failed()) return {};
     if (auto added = add_face(); !added) return added;
     add_triangle_attributes(element, before);
   }
@@ -294,26 +310,40 @@ void PlyReader::read_face(const PlyElement& element) {
   }
 }
 
-Status PlyReader::add_face() {
-  if (corners_.size() == 3) return add_triangle(corners_[0], corners_[1], corners_[2]);
-  if (corners_.size() > 3) return add_polygon();
+template <typename Why>
+void PlyReader::leave_out(std::string_view kind, const Why& why) {
+  const auto text = [&] { return fmt::format("face {} {}", row_number_, why()); };
+  if (first_left_out_.empty()) first_left_out_ = text();
   warn(
-      "corners", [] { return "faces with fewer than 3 corners are left out"; }, 1, "faces");
+      kind, [&] { return text() + "; it is left out"; }, 1, "faces");
+}
+
+Status PlyReader::add_face() {
+  const std::size_t vertices = file_.mesh.positions.size();
+  const auto missing =
+      std::ranges::find_if(corners_, [&](std::uint32_t corner) { return corner >= vertices; });
+  if (corners_.size() < 3) {
+    leave_out("corners", [&] { return fmt::format("must have at least 3 corners, got {}", corner_count_); });
+  } else if (missing != corners_.end()) {
+    leave_out("missing vertex", [&] {
+      return fmt::format("names a vertex that is not there: the file has {}, counted from 0", vertices);
+    });
+  } else if (corners_.size() > 3) {
+    return add_polygon();
+  } else {
+    return add_triangle(corners_[0], corners_[1], corners_[2]);
+  }
   return {};
 }
 
 Status PlyReader::add_polygon() {
   outline_.clear();
-  for (const std::uint32_t corner : corners_) {
-    if (corner >= file_.mesh.positions.size()) break;
-    outline_.push_back(file_.mesh.positions[corner]);
-  }
+  for (const std::uint32_t corner : corners_) outline_.push_back(file_.mesh.positions[corner]);
   polygon_.clear();
-  if (outline_.size() < corners_.size() || !triangulate(outline_, polygon_)) {
-    warn(
-        "polygon",
-        [] { return "faces that name a vertex that is not there, or have too many corners, are left out"; },
-        corners_.size() - 2, "triangles");
+  if (!triangulate(outline_, polygon_)) {
+    leave_out("concave", [] {
+      return fmt::format("is not convex, and may have {} corners at most", kMaxConcaveCorners);
+    });
     return {};
   }
   for (const auto& [a, b, c] : polygon_)
@@ -351,6 +381,7 @@ void PlyReader::add_triangle_attributes(const PlyElement& element, std::size_t t
 
 Status PlyReader::read_strips(const PlyElement& element) {
   for (std::uint64_t row = 0; row < element.count && !values_.failed(); ++row) {
+    row_number_ = row + 1;
     for (const PlyProperty& property : element.properties) {
       if (is_index_list(property))
         read_corners(property);

@@ -217,7 +217,8 @@ TEST(Ply, SaysWhatIsBroken) {
   EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\n"),
               HasSubstr("line 4: there is no type 'half'"));
   std::string text = kAsciiTriangle;
-  EXPECT_THAT(ply_error(text.substr(0, text.size() - 3)), HasSubstr("it ends among the rows of 'face'"));
+  EXPECT_THAT(ply_error(text.substr(0, text.size() - 3)),
+              HasSubstr("it ends in row 1 of 'face', which says that it has 3 corners"));
   text.replace(text.find("1.5"), 3, "1,5");
   EXPECT_THAT(ply_error(text), HasSubstr("a row of 'vertex' has something else than numbers"));
   EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
@@ -232,7 +233,9 @@ TEST(Ply, RefusesRowsThatCannotBeThereBeforeItTakesMemory) {
   EXPECT_THAT(ply_error(header + "0123"), HasSubstr("too short for the 4000000000 rows of 'vertex'"));
   std::string text = kAsciiTriangle;
   text.replace(text.find("3 0 1 2"), 1, "300000000");
-  EXPECT_THAT(ply_error(text), HasSubstr("is a broken PLY file"));
+  EXPECT_EQ(ply_error(text),
+            "'m.ply' is a broken PLY file (it ends in row 1 of 'face', which says that it has 300000000 "
+            "corners)");
 }
 
 TEST(Ply, KeepsWithinTheLimit) {
@@ -241,15 +244,24 @@ TEST(Ply, KeepsWithinTheLimit) {
   EXPECT_EQ(ply_error(quad_with("", ""), {.most = 2, .option = "--triangles"}), "");
 }
 
-TEST(Ply, LeavesOutFacesThatNameNoVertex) {
+TEST(Ply, LeavesOutFacesThatCannotBeUsed) {
   std::string text = quad_with("", "");
-  text.replace(text.find("element face 1"), 14, "element face 2");
-  const MeshFile file = ply(text + "4 0 1 2 9\n");
+  text.replace(text.find("element face 1"), 14, "element face 6");
+  const MeshFile file = ply(text + "4 0 1 2 9\n3 0 1 4\n3 0 1 -1\n2 0 1\n1 0\n");
   EXPECT_EQ(file.mesh.triangles.size(), 2u);
   EXPECT_THAT(
       file.warnings.messages("m.ply"),
-      ElementsAre("m.ply: faces that name a vertex that is not there, or have too many corners, are left "
-                  "out (2 triangles)"));
+      ElementsAre(
+          "m.ply: face 2 names a vertex that is not there: the file has 4, counted from 0; it is left "
+          "out (3 faces)",
+          "m.ply: face 5 must have at least 3 corners, got 2; it is left out (2 faces)"));
+}
+
+TEST(Ply, SaysWhyNoFaceIsLeft) {
+  std::string text = quad_with("", "");
+  text.replace(text.find("4 0 1 2 3"), 1, "-4");
+  EXPECT_EQ(ply_error(text),
+            "'m.ply' has no face that can be used; the first: face 1 must have at least 3 corners, got -4");
 }
 
 TEST(Ply, ReadsAByteOrderMark) {
