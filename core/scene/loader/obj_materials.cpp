@@ -117,7 +117,7 @@ ObjMaterials::Libraries ObjMaterials::load_libraries(const ObjFile& obj) {
     for (auto word = take_word(rest); !word.empty(); word = take_word(rest)) words.emplace_back(word);
     for (const std::string& word : words)
       if (words.size() == 1 || !add_library(word, line, libraries))
-        warn(obj_, "missing library", line, [&] {
+        warn(obj_, "missing library " + word, line, [&] {
           return fmt::format(
               "{} does not exist, and neither does a file of this name beside the OBJ file; its "
               "materials are missing",
@@ -133,7 +133,7 @@ bool ObjMaterials::add_library(const std::string& name, int line, Libraries& lib
   if (!path) return false;
   const auto file = cache_.mtl(*path);
   if (!file) {
-    warn(obj_, "unreadable library", line,
+    warn(obj_, "unreadable library " + *path, line,
          [&] { return file.error().message + "; its materials are missing"; });
     return true;
   }
@@ -213,7 +213,7 @@ Result<ObjMaterials::Image> ObjMaterials::load(const MtlMaterial::Map& map,
   if (!map) return nullptr;
   const auto path = cache_.find(map->file, {library_, obj_});
   if (!path) {
-    warn(library_, "missing image", map->line, [&] {
+    warn(library_, "missing image " + map->file, map->line, [&] {
       return fmt::format(
           "{} does not exist, and neither does a file of this name beside the MTL file; the map "
           "is ignored",
@@ -225,7 +225,7 @@ Result<ObjMaterials::Image> ObjMaterials::load(const MtlMaterial::Map& map,
   if (!image && image.error().code == ErrorCode::kResourceExhausted)
     return fail(image.error().within(fmt::format("{}:{}", library_, map->line)));
   if (!image) {
-    warn(library_, "unreadable image", map->line,
+    warn(library_, "unreadable image " + *path, map->line,
          [&] { return image.error().message + "; the map is ignored"; });
     return nullptr;
   }
@@ -249,7 +249,7 @@ Result<ObjMaterials::Image> ObjMaterials::load_share(const MtlMaterial::Map& map
         "{} has values above 1, and nothing reflects more light than it gets; they are clamped",
         in_quotes(map->file));
   };
-  warn(library_, "bright image", map->line, text, changed, "texels");
+  warn(library_, "bright image " + map->file, map->line, text, changed, "texels");
   return clamped_.emplace(*image, std::make_shared<const TextureImage>(std::move(clamped))).first->second;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Meshes of other programs whose materials and images are missing, elsewhere or odd: what can be rendered is,
 // and what is replaced is told.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -16,6 +17,10 @@ namespace {
 namespace fs = std::filesystem;
 using Files = test::MemoryAssets::Files;
 using Strings = std::vector<std::string>;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::EndsWith;
+using testing::StartsWith;
 
 const std::string kVertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n";
 
@@ -130,6 +135,23 @@ TEST(OtherPrograms, MissingAndBrokenImagesCostTheTextureOnly) {
             "m/a.mtl:3: 'gone.png' does not exist, and neither does a file of this name beside "
             "the MTL file; the map is ignored");
   EXPECT_TRUE(scene.warnings[1].starts_with("m/a.mtl:6: 'm/b.png' is not a")) << scene.warnings[1];
+}
+
+TEST(OtherPrograms, EachImageThatCannotBeUsedIsTold) {
+  const SceneDescription scene =
+      loaded({{"m/a.obj", "mtllib a.mtl\n" + kVertices + "usemtl a\nf 1 2 3\nusemtl b\nf 2 4 3\n"},
+              {"m/a.mtl",
+               "newmtl a\nmap_Kd gone.png\nmap_Ks a.png\nmap_Ke b.jpg\nmap_Pr c.exr\n"
+               "newmtl b\nmap_Kd also_gone.png\nmap_Ks a.png\n"},
+              {"m/a.png", "\x89PNG\r\n\x1a\n"},
+              {"m/b.jpg", "\xff\xd8\xff\xe0"},
+              {"m/c.exr", "no image"}});
+  EXPECT_THAT(scene.warnings,
+              ElementsAre(StartsWith("m/a.mtl:2: 'gone.png' does not exist"),
+                          AllOf(StartsWith("m/a.mtl:3: 'm/a.png' is a broken PNG"), EndsWith(" (2 times)")),
+                          StartsWith("m/a.mtl:4: 'm/b.jpg' is a broken JPEG"),
+                          StartsWith("m/a.mtl:5: 'm/c.exr' is not a"),
+                          StartsWith("m/a.mtl:7: 'also_gone.png' does not exist")));
 }
 
 TEST(OtherPrograms, WarningsOfAFileAreToldOnceHoweverManyShapesShowIt) {
