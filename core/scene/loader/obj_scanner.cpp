@@ -5,8 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <optional>
+#include <system_error>
 
 #include "core/image/srgb.hpp"
 #include "core/scene/loader/text_lines.hpp"
@@ -33,6 +37,18 @@ constexpr Rgb kNoColor = Rgb::gray(-1);
 // slightly above 1.
 constexpr float kLargestUnitColor = 1.01f;
 
+constexpr std::size_t kMrgbDigits = 8;
+
+// Of two hexadecimal digits each for a mask, which has no effect, red, green and blue.
+std::optional<Rgb> mrgb_color(std::string_view digits) {
+  std::uint32_t code = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), code, 16);
+  if (digits.size() != kMrgbDigits || error != std::errc() || end != digits.data() + digits.size())
+    return std::nullopt;
+  const auto linear = [code](int shift) { return srgb_decode((code >> shift & 0xff) / 255.0); };
+  return Rgb{linear(16), linear(8), linear(0)};
+}
+
 class ObjScanner {
  public:
   ObjScanner(std::string_view text, const std::string& name, const WarningLimits& warnings)
@@ -46,6 +62,8 @@ class ObjScanner {
   void statement(std::string_view line);
   void vertex(std::string_view line);
   void color(std::string_view line, const Numbers& numbers, std::span<const float> values);
+  void polypaint(std::string_view line);
+  void flush_polypaint();
   void normal(std::string_view line);
   void texture_vertex(std::string_view line);
   void library(std::string_view line);
@@ -62,6 +80,9 @@ class ObjScanner {
   StatementLines lines_;
   const std::string& name_;
   ObjText obj_;
+  // Linear colours of "#MRGB" lines: those since the last vertex, and one for each position or fewer. They
+  // replace others.
+  std::vector<Rgb> polypaint_block_, polypaint_;
   bool has_free_form_ = false;
   std::string first_unknown_;  // the first unknown statement
 };
@@ -69,6 +90,7 @@ class ObjScanner {
 Result<ObjText> ObjScanner::scan() {
   while (lines_.next()) statement(lines_.line());
   if (obj_.face_count == 0) return fail(no_faces());
+  flush_polypaint();
   settle_colors();
   return std::move(obj_);
 }
@@ -86,6 +108,7 @@ Error ObjScanner::no_faces() const {
 
 void ObjScanner::statement(std::string_view line) {
   const std::string_view keyword = take_word(line);
+  if (keyword == "#MRGB") return polypaint(line);
   if (keyword.empty() || keyword.front() == '#') return;
   if (keyword == "v") return vertex(line);
   if (is_face(keyword)) return count_face();
@@ -97,6 +120,7 @@ void ObjScanner::statement(std::string_view line) {
 
 // A weight, a colour or both may follow the position.
 void ObjScanner::vertex(std::string_view line) {
+  flush_polypaint();
   std::array<float, 7> values{};
   const Numbers numbers = read_numbers(line, values);
   if (numbers.count < 3) {
@@ -129,6 +153,38 @@ void ObjScanner::color(std::string_view line, const Numbers& numbers, std::span<
   if (obj_.colors.empty() && color == kNoColor) return;
   obj_.colors.resize(obj_.positions.size() - 1, kNoColor);
   obj_.colors.push_back(color);
+}
+
+// ZBrush writes the colours of the vertices before them as comments.
+void ObjScanner::polypaint(std::string_view line) {
+  for (auto word = take_word(line); !word.empty(); word = take_word(line)) {
+    for (; !word.empty(); word.remove_prefix(std::min(kMrgbDigits, word.size()))) {
+      const std::string_view digits = word.substr(0, kMrgbDigits);
+      const auto color = mrgb_color(digits);
+      polypaint_block_.push_back(color.value_or(kNoColor));
+      if (color) continue;
+      warn("#MRGB", [&] {
+        return fmt::format(
+            "a colour of '#MRGB' must be 8 hexadecimal digits, got {}; the vertex has no colour",
+            in_quotes(digits));
+      });
+    }
+  }
+  if (polypaint_block_.size() <= obj_.positions.size()) return;
+  polypaint_block_.resize(obj_.positions.size());
+  warn("colours of #MRGB", [&] {
+    return fmt::format(
+        "'#MRGB' has more colours than the {} vertices before it; the further ones are ignored",
+        obj_.positions.size());
+  });
+}
+
+// A block with fewer colours than vertices is that of the last ones, as in Blender.
+void ObjScanner::flush_polypaint() {
+  if (polypaint_block_.empty()) return;
+  polypaint_.resize(obj_.positions.size() - polypaint_block_.size(), kNoColor);
+  polypaint_.insert(polypaint_.end(), polypaint_block_.begin(), polypaint_block_.end());
+  polypaint_block_.clear();
 }
 
 void ObjScanner::normal(std::string_view line) {
@@ -191,6 +247,9 @@ void ObjScanner::settle_colors() {
   };
   for (Rgb& color : obj_.colors)
     color = color == kNoColor ? Rgb::gray(1) : Rgb{linear(color.r), linear(color.g), linear(color.b)};
+  if (!polypaint_.empty()) obj_.colors.resize(obj_.positions.size(), Rgb::gray(1));
+  for (std::size_t i = 0; i < polypaint_.size(); ++i)
+    if (polypaint_[i] != kNoColor) obj_.colors[i] = polypaint_[i];
   const bool all_white =
       std::all_of(obj_.colors.begin(), obj_.colors.end(), [](Rgb color) { return color == Rgb::gray(1); });
   if (all_white) obj_.colors.clear();

@@ -311,6 +311,33 @@ TEST(Obj, ReadsVertexColorsAsDisplaysShowThem) {
   EXPECT_TRUE(read_text("v 0 0 0 1 1 1\n" + triangle).text.colors.empty());
 }
 
+TEST(Obj, ReadsPolypaint) {
+  const std::string text =
+      "v 0 0 0 200 0 0\nv 1 0 0\nv 0 1 0\n#MRGB ffff0000FF00bc00\n#MRGB 00ffffff\n"
+      "v 1 1 0\nv 2 0 0\n#MRGB ff0000ff\nf 1 2 3\nf 1 2 4\nf 1 2 5\n";
+  const std::vector<Rgb> colors = read_text(text).text.colors;
+  ASSERT_EQ(colors.size(), 5u);
+  EXPECT_EQ(colors[0], (Rgb{1, 0, 0})) << "in place of that of the vertex";
+  EXPECT_NEAR(colors[1].g, 0.50289f, 1e-4f);  // IEC 61966-2-1
+  EXPECT_EQ(colors[2], Rgb::gray(1));
+  EXPECT_EQ(colors[3], Rgb::gray(1)) << "the block is that of the last vertex";
+  EXPECT_EQ(colors[4], (Rgb{0, 0, 1}));
+  EXPECT_TRUE(warnings_of(text).empty());
+}
+
+TEST(Obj, PassesOverPolypaintThatItCannotUse) {
+  const std::string text =
+      "#MRGB 01020304\n" + kFourCorners + "#MRGB ffff0000 red\n#MRGB ff00ff00ff0000f\nf 1 2 3\n";
+  const std::vector<Rgb> colors = read_text(text).text.colors;
+  EXPECT_EQ(colors, (std::vector<Rgb>{{1, 0, 0}, Rgb::gray(1), {0, 1, 0}, Rgb::gray(1)}));
+  EXPECT_EQ(
+      warnings_of(text),
+      (std::vector<std::string>{
+          "x.obj:1: '#MRGB' has more colours than the 0 vertices before it; the further ones are ignored",
+          "x.obj:6: a colour of '#MRGB' must be 8 hexadecimal digits, got 'red'; the vertex has no "
+          "colour (2 times)"}));
+}
+
 TEST(Obj, IsRefusedWithoutFaces) {
   const std::pair<std::string, std::string> cases[] = {
       {"", "the file has no faces (no 'f' statement); is it complete?"},
