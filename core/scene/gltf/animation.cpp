@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "core/scene/gltf/animated_values.hpp"
 #include "core/scene/gltf/keyframe_sampler.hpp"
+#include "core/scene/gltf/node_mistakes.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core::gltf {
@@ -17,6 +19,23 @@ namespace {
 
 // More than any mesh has morph targets; many nodes can refer to one accessor of millions of numbers.
 constexpr std::size_t kMaxWeights = 4096;
+
+// What glTF forbids of an animation of a node's `path`.
+void tell_mistakes(const Document& document, const Value& node, std::string_view path,
+                   const KeyframeSampler& sampler, const Value& output) {
+  if (path == "weights") {
+    const Value meshes = document.root()["meshes"];
+    const auto mesh = node["mesh"].as_whole();
+    if (mesh && *mesh < meshes.size()) tell_odd_weights(document, output, sampler.width(), meshes.at(*mesh));
+    return;
+  }
+  if (node["matrix"].exists())
+    document.warn(node, "animated matrix",
+                  "is animated and has a matrix; its translation, rotation and scale replace the matrix");
+  if (path != "rotation") return;
+  for (std::size_t i = 0; i < sampler.keyframes(); ++i)
+    tell_odd_rotation(document, output, sampler.value_of(i));
+}
 
 }  // namespace
 
@@ -60,15 +79,15 @@ void NodeAnimation::add_channel(const Document& document, Accessors& accessors, 
   if (path != "weights" && path != "translation" && path != "rotation" && path != "scale")
     return document.warn(target, "animation path",
                          fmt::format("the animation of {} is ignored", in_quotes(path)));
-  document.element("nodes", node);
+  const Value animated = document.element("nodes", node);
   const Value sampler_value = Document::element(animation["samplers"], channel["sampler"]);
   const bool is_weights = path == "weights";
   KeyframeSampler sampler(sampler_value, accessors, is_weights ? 1 : path == "rotation" ? 4 : 3);
   if (is_weights) sampler.split_weights();
   if (sampler.empty())
-    document.warn(sampler_value, "animation without keyframes", "has no keyframes; it is ignored");
-  else
-    channels_.push_back({static_cast<std::size_t>(node.whole()), path, std::move(sampler)});
+    return document.warn(sampler_value, "animation without keyframes", "has no keyframes; it is ignored");
+  tell_mistakes(document, animated, path, sampler, sampler_value["output"]);
+  channels_.push_back({static_cast<std::size_t>(node.whole()), path, std::move(sampler)});
 }
 
 NodeAnimation::~NodeAnimation() = default;

@@ -4,10 +4,16 @@
 #include <string_view>
 #include <vector>
 
+#include "core/scene/gltf/node_mistakes.hpp"
+
 namespace tessera::core::gltf {
 namespace {
 
-InstanceAttributes instance_attributes(const Value& list, Accessors& accessors) {
+std::vector<float> quaternion_of(const Accessor& rotations, std::size_t i) {
+  return {rotations.number(i, 0), rotations.number(i, 1), rotations.number(i, 2), rotations.number(i, 3)};
+}
+
+InstanceAttributes instance_attributes(const Value& list, const Document& document, Accessors& accessors) {
   InstanceAttributes attributes;
   bool is_first = true;
   const auto read = [&](std::string_view name, std::size_t components, std::optional<Accessor>& values) {
@@ -21,15 +27,16 @@ InstanceAttributes instance_attributes(const Value& list, Accessors& accessors) 
   read("TRANSLATION", 3, attributes.translation);
   read("ROTATION", 4, attributes.rotation);
   read("SCALE", 3, attributes.scale);
+  for (std::size_t i = 0; attributes.rotation && i < attributes.count; ++i)
+    tell_odd_rotation(document, list["ROTATION"], quaternion_of(*attributes.rotation, i));
   return attributes;
 }
 
 }  // namespace
 
 Transform InstanceAttributes::transform(std::size_t i) const {
-  std::vector<float> quaternion{0, 0, 0, 1};
-  for (std::size_t c = 0; rotation && c < 4; ++c) quaternion[c] = rotation->number(i, c);
-  return placed(translation ? translation->vec3(i) : Vec3{0, 0, 0}, quaternion,
+  return placed(translation ? translation->vec3(i) : Vec3{0, 0, 0},
+                rotation ? quaternion_of(*rotation, i) : std::vector<float>{0, 0, 0, 1},
                 scale ? scale->vec3(i) : Vec3{1, 1, 1});
 }
 
@@ -39,8 +46,9 @@ Placements placements_of(const Node& node, const Document& document, Accessors& 
   if (const Value colors = extension["attributes"]["_COLOR_0"]; colors.exists())
     document.warn(colors, "colours of instances", "colours of instances are ignored");
   if (extension.exists())
-    document.try_to(extension, "instances", "its mesh is shown once, where the node is",
-                    [&] { placements.attributes = instance_attributes(extension["attributes"], accessors); });
+    document.try_to(extension, "instances", "its mesh is shown once, where the node is", [&] {
+      placements.attributes = instance_attributes(extension["attributes"], document, accessors);
+    });
   return placements;
 }
 

@@ -20,6 +20,8 @@ class KeyframeSampler {
   void split_weights();
 
   bool empty() const { return count_ == 0; }
+  std::size_t keyframes() const { return count_; }
+  std::vector<float> value_of(std::size_t keyframe) const { return numbers(keyframe, kValue); }
   // How many numbers a keyframe has.
   std::size_t width() const { return row_ > 0 ? row_ : values_.components(); }
   // The value at a time; rotations are quaternions. Before the first keyframe and after the last one it is

@@ -9,18 +9,21 @@
 
 #include "core/math/quaternion.hpp"
 #include "core/scene/gltf/animation.hpp"
+#include "core/scene/gltf/node_mistakes.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core::gltf {
 namespace {
 
-NodePose read_pose(const Value& node) {
+NodePose read_pose(const Document& document, const Value& node) {
   NodePose pose;
   pose.translation = node.vector_or("translation", pose.translation);
   pose.scale = node.vector_or("scale", pose.scale);
   if (auto rotation = node.numbers("rotation", 4); !rotation.empty()) pose.rotation = std::move(rotation);
   pose.matrix = node.numbers("matrix", 16);
   pose.weights = node.numbers("weights");
+  tell_second_placement(document, node);
+  tell_odd_rotation(document, node["rotation"], pose.rotation);
   return pose;
 }
 
@@ -198,7 +201,7 @@ std::vector<Node> read_nodes(const Document& document, Accessors& accessors, con
   std::vector<NodePose> at_rest;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     nodes[i].value = list.at(i);
-    at_rest.push_back(read_pose(nodes[i].value));
+    at_rest.push_back(read_pose(document, nodes[i].value));
   }
   connect(document, nodes);
   cut_cycles(document, nodes);

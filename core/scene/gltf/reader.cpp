@@ -20,6 +20,7 @@
 #include "core/scene/gltf/instances.hpp"
 #include "core/scene/gltf/materials.hpp"
 #include "core/scene/gltf/mesh.hpp"
+#include "core/scene/gltf/node_mistakes.hpp"
 #include "core/scene/gltf/nodes.hpp"
 #include "core/scene/gltf/placements.hpp"
 #include "core/scene/gltf/scene_camera.hpp"
@@ -47,6 +48,8 @@ class SceneReader {
   void read();
 
  private:
+  // Those of a mesh, or of a node that shows it.
+  void tell_weights(const Value& owner, const Value& mesh) const;
   void add_light(const Node& node);
   FilePlace place_of(const Value& value) const { return {builder_.scene_path(), document_.line_of(value)}; }
   // The mesh of a node, which `index` names.
@@ -104,7 +107,9 @@ void SceneReader::read() {
     const Value index = nodes_[i].value["mesh"];
     meshes.push_back(index.exists() ? document_.element_or_none("meshes", index, "the node shows no mesh")
                                     : Value());
-    if (meshes.back().exists()) ++users_[index.whole()];
+    if (!meshes.back().exists()) continue;
+    if (++users_[index.whole()] == 1) tell_weights(meshes.back(), meshes.back());
+    tell_weights(nodes_[i].value, meshes.back());
   }
   set_camera(document_, selection_, nodes_, order);
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -113,6 +118,11 @@ void SceneReader::read() {
   }
   tell_variants();
   check_replaced_parameters();
+}
+
+void SceneReader::tell_weights(const Value& owner, const Value& mesh) const {
+  const Value weights = owner["weights"];
+  if (weights.size() > 0) tell_odd_weights(document_, weights, weights.size(), mesh);
 }
 
 void SceneReader::add_light(const Node& node) {

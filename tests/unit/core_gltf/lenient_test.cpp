@@ -297,5 +297,83 @@ TEST(GltfReplacedValues, OfMaterials) {
   }
 }
 
+TEST(GltfReplacedValues, OfNodes) {
+  const std::vector<BrokenPart> table{
+      {"/nodes/0/rotation",
+       {0, 0, 0, 0},
+       "nodes[0].rotation: a rotation must be a unit quaternion, got one "
+       "without a finite length above 0; it turns nothing"},
+      {"/nodes/0/rotation",
+       {0, 0, 0, 2},
+       "nodes[0].rotation: a rotation must be a unit quaternion, got one of "
+       "length 2; it is normalised"},
+      {"/meshes/0/weights",
+       {1, 0},
+       "meshes[0].weights: has 2 weights for 1 morph targets; the further ones are ignored"},
+      {"/nodes/1/weights",
+       {1},
+       "nodes[1].weights: has 1 weights for 0 morph targets; the further ones are ignored"},
+  };
+  for (const BrokenPart& one : table) {
+    GltfFile file = with_all_parts();
+    file.json[json::json_pointer(one.pointer)] = one.value;
+    const auto scene = load_gltf(file.text());
+    ASSERT_TRUE(scene) << one.pointer << ": " << scene.error().message;
+    EXPECT_EQ(scene->shapes.size(), 2u) << one.pointer;
+    EXPECT_EQ(test::mesh_of(*scene).positions[0], (Vec3{0, 0, 9})) << one.pointer;
+    EXPECT_THAT(test::warnings_of(*scene), HasSubstr(one.warning)) << one.pointer;
+  }
+}
+
+TEST(GltfReplacedValues, OfNodesWithTwoPlacements) {
+  GltfFile file = two_triangles();
+  for (json& node : file.json["nodes"]) {
+    node["matrix"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 7, 0, 0, 1};
+    node["translation"] = {5, 0, 0};
+  }
+  const auto scene = load_gltf(file.text());
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(test::mesh_of(*scene, 1).positions[0], (Vec3{7, 0, 0}));
+  EXPECT_THAT(
+      test::warnings_of(*scene),
+      HasSubstr("nodes[0]: has a matrix and a translation, rotation or scale; only the matrix is used (2 "
+                "times)"));
+}
+
+TEST(GltfReplacedValues, OfWeightsThatAreFewerThanMorphTargets) {
+  GltfFile file = with_all_parts();
+  auto& targets = file.json["meshes"][0]["primitives"][0]["targets"];
+  targets.push_back(targets[0]);
+  const auto scene = load_gltf(file.text());
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(test::mesh_of(*scene).positions[0], (Vec3{0, 0, 9}));
+  EXPECT_THAT(test::warnings_of(*scene),
+              HasSubstr("meshes[0].weights: has 1 weights for 2 morph targets; the missing ones are 0"));
+}
+
+TEST(GltfReplacedValues, OfAnimationsAndInstances) {
+  GltfFile file = two_triangles();
+  file.json["nodes"][0]["matrix"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 7, 0, 0, 1};
+  const int times = file.floats("SCALAR", {0, 1}), turns = file.floats("VEC4", {0, 0, 0, 3, 0, 0, 0, 0}),
+            weights = file.floats("SCALAR", {0, 1});
+  file.json["nodes"][1]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["ROTATION"] = turns;
+  file.json["animations"] = {
+      {{"samplers", {{{"input", times}, {"output", turns}}, {{"input", times}, {"output", weights}}}},
+       {"channels",
+        {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "rotation"}}}},
+         {{"sampler", 1}, {"target", {{"node", 0}, {"path", "weights"}}}}}}}};
+  const auto scene = load_gltf(file.text());
+  ASSERT_TRUE(scene) << scene.error().message;
+  const std::string warnings = test::warnings_of(*scene);
+  EXPECT_THAT(warnings,
+              HasSubstr("nodes[0]: is animated and has a matrix; its translation, rotation and scale "
+                        "replace the matrix"));
+  EXPECT_THAT(warnings,
+              HasSubstr("animations[0].samplers[0].output: a rotation must be a unit quaternion, got "
+                        "one of length 3; it is normalised (2 times)"));
+  EXPECT_THAT(warnings, HasSubstr("without a finite length above 0; it turns nothing (2 times)"));
+  EXPECT_THAT(warnings, HasSubstr("animations[0].samplers[1].output: has 1 weights for 0 morph targets"));
+}
+
 }  // namespace
 }  // namespace tessera::core
