@@ -11,22 +11,22 @@ float priority_of(const MaterialModel& model) {
   return solid != nullptr && transmits_light(model) && !solid->geometry_thin_walled ? solid->priority : 0;
 }
 
-std::optional<std::string> find_priority_mistake(const std::vector<Material>& materials) {
+std::optional<PriorityMistake> find_priority_mistake(const std::vector<Material>& materials) {
   std::size_t count = 0;
-  for (const Material& material : materials) {
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    const Material& material = materials[i];
     const auto has_priority = [&](std::uint32_t part) { return priority_of(materials[part].model) > 0; };
     if (const auto* blend = std::get_if<Blend>(&material.model))
       if (has_priority(blend->first) || has_priority(blend->second))
-        return fmt::format("material '{}': the materials of a blend cannot have a priority", material.name);
+        return PriorityMistake{i, "the materials of a blend cannot have a priority"};
     if (!(priority_of(material.model) > 0)) continue;
     if (index_in(material.model)->texture >= 0)
-      return fmt::format("material '{}': with a priority, the index of refraction cannot be a texture",
-                         material.name);
+      return PriorityMistake{i, "with a priority, the index of refraction cannot be a texture"};
     if (!is_black(material.emission.value))
-      return fmt::format("material '{}': what emits light cannot have a priority", material.name);
+      return PriorityMistake{i, "what emits light cannot have a priority"};
     if (++count > kMaxNestedDielectrics)
-      return fmt::format("material '{}': at most {} materials can have a priority", material.name,
-                         kMaxNestedDielectrics);
+      return PriorityMistake{i,
+                             fmt::format("at most {} materials can have a priority", kMaxNestedDielectrics)};
   }
   return std::nullopt;
 }

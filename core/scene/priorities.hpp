@@ -25,7 +25,12 @@ auto* index_in(Model& model) {
   return &std::get_if<Principled>(&model)->specular_ior;
 }
 
-// What is wrong with the priorities of materials that are valid apart from that; nothing if they are.
-std::optional<std::string> find_priority_mistake(const std::vector<Material>& materials);
+struct PriorityMistake {
+  std::size_t material;  // its index
+  std::string what;
+};
+
+// The first mistake in the priorities of materials that are valid apart from that.
+std::optional<PriorityMistake> find_priority_mistake(const std::vector<Material>& materials);
 
 }  // namespace tessera::core

@@ -51,15 +51,12 @@ std::string image_text(std::string_view key) {
 }
 
 Status check_material(const Material& material, const SceneDescription& scene) {
-  const auto wrong = [&](std::string_view what) {
-    return invalid_part(fmt::format("material '{}': {}", material.name, what));
-  };
-  if (const auto mistake = mistake_in(material, counts_of(scene))) return wrong(mistake->text());
-  if (const auto key = key_without_image(material, scene.textures)) return wrong(image_text(*key));
+  if (const auto mistake = mistake_in(material, counts_of(scene))) return invalid_part(mistake->text());
+  if (const auto key = key_without_image(material, scene.textures)) return invalid_part(image_text(*key));
   if (material.sampling == Sampling::kHalfVector && !std::holds_alternative<CookTorrance>(material.model))
-    return wrong("only cook_torrance can be sampled by half-vectors");
+    return invalid_part("only cook_torrance can be sampled by half-vectors");
   if (!is_valid_radiance(material.emission, scene.textures))
-    return wrong("emission times its texture is too bright to be computed; lower it");
+    return invalid_part("emission times its texture is too bright to be computed; lower it");
   return {};
 }
 
@@ -96,16 +93,13 @@ bool is_medium(int medium, const SceneDescription& scene) {
 Status check_blend(const Material& material, const Blend& blend, const std::vector<Material>& all,
                    std::vector<int>& depths) {
   if (std::max(blend.first, blend.second) >= depths.size() - 1)
-    return invalid_part(
-        fmt::format("material '{}': a blend's materials must stand before the blend", material.name));
+    return invalid_part("a blend's materials must stand before the blend");
   depths.back() = 1 + std::max(depths[blend.first], depths[blend.second]);
   if (!is_black(material.emission.value) &&
       !(is_opaque(all[blend.first], all) && is_opaque(all[blend.second], all)))
-    return invalid_part(
-        fmt::format("material '{}': a blend of what light passes through cannot emit", material.name));
+    return invalid_part("a blend of what light passes through cannot emit");
   if (depths.back() <= kMaxBlendDepth) return {};
-  return invalid_part(
-      fmt::format("material '{}': blends of blends may be {} deep", material.name, kMaxBlendDepth));
+  return invalid_part(fmt::format("blends of blends may be {} deep", kMaxBlendDepth));
 }
 
 // The material that stands behind as many as there are depths.
@@ -154,10 +148,13 @@ std::string clamped_text(std::string_view material, std::string_view key) {
 }
 
 Status check_materials(const std::vector<Material>& materials, const SceneDescription& scene) {
+  const auto named = [](const Material& material) { return fmt::format("material '{}'", material.name); };
   std::vector<int> blend_depths;
   for (const Material& material : materials)
-    if (auto ok = check_next(material, materials, scene, blend_depths); !ok) return ok;
-  if (auto mistake = find_priority_mistake(materials)) return invalid_part(*std::move(mistake));
+    if (auto ok = check_next(material, materials, scene, blend_depths); !ok)
+      return fail(ok.error().within(named(material)));
+  if (const auto mistake = find_priority_mistake(materials))
+    return invalid_part(fmt::format("{}: {}", named(materials[mistake->material]), mistake->what));
   return {};
 }
 

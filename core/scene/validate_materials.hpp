@@ -28,7 +28,8 @@ std::string clamped_text(std::string_view material, std::string_view key);
 // Checks materials, whose textures and media are those of the scene.
 Status check_materials(const std::vector<Material>& materials, const SceneDescription& scene);
 // Calls refuse(i, error) for each material of the scene that check_materials() would refuse, as if what is
-// refused had been replaced by a material of one layer.
+// refused had been replaced by a material of one layer. The errors do not name the material. Priorities
+// (priorities.hpp) are not checked.
 void check_each_material(const SceneDescription& scene,
                          const std::function<void(std::size_t, const Error&)>& refuse);
 // Checks a medium, whose grids are those of the scene; and all media and grids, and the camera's medium.

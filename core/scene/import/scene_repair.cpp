@@ -52,7 +52,9 @@ void repair_materials(SceneDescription& scene, FileWarnings& warnings) {
   std::vector<std::size_t> invalid;
   check_each_material(scene, [&](std::size_t i, const Error& error) {
     invalid.push_back(i);
-    tell_part(warnings, "material", fmt::format("{}; a gray diffuse one replaces it", error.message));
+    tell_part(warnings, "material",
+              fmt::format("material '{}': {}; a gray diffuse one replaces it", scene.materials[i].name,
+                          error.message));
   });
   for (const std::size_t i : invalid) {
     Material gray;

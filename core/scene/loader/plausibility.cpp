@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "core/scene/loader/wording.hpp"
+#include "core/scene/priorities.hpp"
 #include "core/scene/tables/material_tables.hpp"
+#include "core/scene/validate_materials.hpp"
 
 namespace tessera::core {
 namespace {
@@ -23,10 +25,8 @@ std::vector<ColorParameter> shares_of(const Material& material) {
   return shares;
 }
 
-}  // namespace
-
-void check_plausibility(const SceneDescription& scene, const std::vector<Place>& material_places,
-                        const Place& shapes_place, Mistakes& mistakes) {
+void check_shares(const SceneDescription& scene, const std::vector<Place>& material_places,
+                  const Place& shapes_place, Mistakes& mistakes) {
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     for (const auto& share : shares_of(scene.materials[i])) {
       if (share.texture < 0) continue;
@@ -40,6 +40,20 @@ void check_plausibility(const SceneDescription& scene, const std::vector<Place>&
                 in_quotes(scene.materials[i].name), largest));
     }
   }
+}
+
+}  // namespace
+
+void check_plausibility(const SceneDescription& scene, const std::vector<Place>& material_places,
+                        const Place& shapes_place, Mistakes& mistakes) {
+  check_shares(scene, material_places, shapes_place, mistakes);
+  const auto refuse = [&](std::size_t i, std::string_view what) {
+    if (i < material_places.size()) return mistakes.add(material_places[i], what);
+    mistakes.add(shapes_place, fmt::format("material {}: {}", in_quotes(scene.materials[i].name), what));
+  };
+  check_each_material(scene, [&](std::size_t i, const Error& error) { refuse(i, error.message); });
+  if (!mistakes.empty()) return;
+  if (const auto mistake = find_priority_mistake(scene.materials)) refuse(mistake->material, mistake->what);
 }
 
 }  // namespace tessera::core

@@ -8,8 +8,9 @@
 
 namespace tessera::core {
 
-// Checks that no reflectance exceeds 1, which HDR textures could violate. `material_places` are the
-// locations of the first materials; the others come from OBJ files' libraries.
+// Checks what of materials depends on images and on other materials; also that no reflectance exceeds 1,
+// which HDR textures could violate. `material_places` are the locations of the first materials; the others
+// come from OBJ files' libraries.
 void check_plausibility(const SceneDescription& scene, const std::vector<Place>& material_places,
                         const Place& shapes_place, Mistakes& mistakes);
 

@@ -93,6 +93,26 @@ TEST(SceneMistakes, InMaterials) {
       with_materials, 3);
 }
 
+TEST(SceneMistakes, InMaterialsBesideOthers) {
+  expect_mistakes(
+      {
+          {R"("m": {"type": "glass", "priority": 1, "emission": 1})",
+           "materials.m: what emits light cannot have a priority"},
+          {R"("g": {"type": "glass", "priority": 1}, "m": {"type": "blend", "materials": ["g", "g"]})",
+           "materials.m: the materials of a blend cannot have a priority"},
+          {R"("g": {"type": "lambert", "opacity": 0.5},)"
+           R"("m": {"type": "blend", "materials": ["g", "g"], "emission": 1})",
+           "materials.m: a blend of what light passes through cannot emit"},
+      },
+      with_materials, 3);
+}
+
+TEST(SceneMistakes, InNormalMapsThatAreNoImages) {
+  EXPECT_EQ(mistakes_in(scene_with(R"("textures": {"t": {"type": "windy"}})",
+                                   R"("m": {"type": "lambert", "normal_map": {"texture": "t"}})", "")),
+            "scene.json:3: materials.m: normal_map: the texture must be an image");
+}
+
 TEST(SceneMistakes, InGlossyMaterials) {
   expect_mistakes(
       {
