@@ -27,9 +27,16 @@ std::optional<T> usable(Conversion& conversion, const Plugin& shape, Result<T> r
   return std::nullopt;
 }
 
+// What the reader of a mesh file told. Several shapes may show the file.
+void keep_warnings(Conversion& conversion, const std::string& path, const FileWarnings& warnings) {
+  SceneWarnings& all = conversion.builder.warnings();
+  if (!warnings.empty() && !all.knows(path)) all.of(path) = warnings;
+}
+
 Result<ShapeMesh> read_obj_shape(Conversion& conversion, const Plugin& shape, const std::string& path) {
   const auto file = conversion.builder.files().obj(path);
   if (!file) return fail(file.error());
+  keep_warnings(conversion, path, (*file)->text.warnings);
   const bool has_normals = !(*file)->corners.normals.empty() && !shape.flag("face_normals", false);
   auto mesh = build_mesh(**file, has_normals ? NormalsMode::kFile : NormalsMode::kFlat, Transform(), {0},
                          VertexColors::kIgnore);
@@ -43,6 +50,7 @@ Result<ShapeMesh> read_ply_shape(Conversion& conversion, const Plugin& shape, co
   if (!bytes) return fail(bytes.error());
   auto file = read_ply(*bytes, path, conversion.builder.limits().triangles, MeshAttributes::kKeep);
   if (!file) return fail(file.error());
+  keep_warnings(conversion, path, file->warnings);
   file->mesh.tangents = {};
   const bool reversed = shape.flag("flip_tex_coords", false);
   return ShapeMesh{std::move(file->mesh), std::move(file->attributes),

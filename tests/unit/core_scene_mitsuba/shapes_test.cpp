@@ -222,5 +222,12 @@ TEST(MitsubaShape, MissingFilesCostTheShapeOnly) {
   EXPECT_THAT(warnings_of(scene), HasSubstr("'gone.obj' does not exist; the shape is left out"));
 }
 
+TEST(MitsubaShape, TellsWhatIsBrokenInItsFileOnce) {
+  const std::string shape = "<shape type=\"obj\"><string name=\"filename\" value=\"a.obj\"/></shape>";
+  const SceneDescription scene = scene_of(shape + shape, {{"a.obj", std::string(kTriangleObj) + "f 1 2\n"}});
+  EXPECT_EQ(warnings_of(scene),
+            "a.obj:8: a face must have at least 3 corners, got 2; the face is left out\n");
+}
+
 }  // namespace
 }  // namespace tessera::core::test
