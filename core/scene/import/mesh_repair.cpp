@@ -129,9 +129,7 @@ MeshRepairs repair_mesh(MeshDescription& mesh) {
   repairs.dropped_colors = drop_if_incomplete(mesh.colors, vertices);
   if (mesh.triangle_materials.size() != mesh.triangles.size()) mesh.triangle_materials.resize(1);
   repairs.broken_triangles = remove_broken_triangles(mesh);
-  const std::size_t before = mesh.triangles.size();
-  if (mesh.steps.empty()) remove_superfluous_triangles(mesh);
-  repairs.flat_triangles = before - mesh.triangles.size();
+  if (mesh.steps.empty()) repairs.flat_triangles = remove_superfluous_triangles(mesh);
   for_each_step(mesh, [&](const auto& positions, auto& normals, auto& tangents) {
     repairs.broken_normals += repair_normals(mesh.triangles, positions, normals);
     repairs.broken_tangents += repair_tangents(tangents);
@@ -149,6 +147,7 @@ void tell_repairs(const MeshRepairs& repairs, int line, FileWarnings& warnings) 
   };
   tell(repairs.broken_triangles, "triangles",
        "triangles whose corners are no vertices, or no usable ones, are left out");
+  tell(repairs.flat_triangles, "triangles", "triangles without an area are left out");
   tell(repairs.broken_normals, "normals", "normals without a direction become those of triangles");
   tell(repairs.broken_tangents, "tangents",
        "tangents that are not finite become those of texture coordinates");

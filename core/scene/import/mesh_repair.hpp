@@ -13,7 +13,7 @@ namespace tessera::core {
 // What repair_mesh() changed.
 struct MeshRepairs {
   std::size_t broken_triangles = 0;  // removed: a corner is no vertex, or is not finite or too far away
-  std::size_t flat_triangles = 0;    // removed: without area, or a copy of an earlier one
+  std::size_t flat_triangles = 0;    // removed: without area
   std::size_t broken_normals = 0;    // zero or not finite; the normal of a triangle replaces them
   std::size_t broken_tangents = 0;   // not finite; the directions of texture coordinates replace them
   std::size_t broken_uvs = 0;        // not finite; (0, 0) replaces them
@@ -24,8 +24,9 @@ struct MeshRepairs {
   bool dropped_colors = false;
 };
 
-// Steps must be sound. Of a mesh that deforms, triangles without area stay, since they may gain one.
-// Afterwards the mesh is valid for Scene::build, but its materials are not checked and it may be empty.
+// Also removes copies of earlier triangles (triangle_filter.hpp). Steps must be sound. Of a mesh that
+// deforms, triangles without area stay, since they may gain one. Afterwards the mesh is valid for
+// Scene::build, but its materials are not checked and it may be empty.
 MeshRepairs repair_mesh(MeshDescription& mesh);
 
 // Says what was changed, at a line of the file; 0 if none applies.

@@ -13,6 +13,7 @@
 #include "core/scene/import/scene_bounds.hpp"
 #include "core/scene/import/scene_defaults.hpp"
 #include "core/scene/import/scene_repair.hpp"
+#include "core/scene/loader/coordinate_grid.hpp"
 #include "core/scene/loader/light_limit.hpp"
 #include "core/scene/loader/wording.hpp"
 #include "core/scene/tables/material_tables.hpp"
@@ -35,6 +36,20 @@ Material with_keys_of_its_model(Material material) {
   kept.name = std::move(material.name);
   kept.model = std::move(material.model);
   return kept;
+}
+
+// Meshes in objects have coordinates of their own, which are rarely large.
+void tell_coarse_meshes(const SceneDescription& scene, FileWarnings& warnings) {
+  const CoordinateGrid grid(scene_bounds(scene));
+  if (grid.is_fine()) return;
+  std::size_t coarse = 0;
+  for (const ShapeDescription& shape : scene.shapes)
+    if (const auto* mesh = std::get_if<MeshDescription>(&shape))
+      coarse += static_cast<std::size_t>(std::ranges::count_if(mesh->triangles, [&](const auto& t) {
+        const auto& p = mesh->positions;
+        return grid.is_too_coarse_for(p[t[0]], p[t[1]], p[t[2]]);
+      }));
+  grid.tell(coarse, warnings);
 }
 
 }  // namespace
@@ -256,6 +271,7 @@ Result<SceneDescription> SceneBuilder::finish(const SceneDefaults& defaults) {
   leave_out_invalid_parts(scene_, warnings_.of(shown(scene_path_)));
   if (has_camera_ && !is_valid_view(scene_, warnings_.of(shown(scene_path_)))) has_camera_ = false;
   if (scene_.shapes.empty()) return fail(nothing_to_render());
+  tell_coarse_meshes(scene_, warnings_.of(shown(scene_path_)));
   if (!has_camera_ && defaults.camera) {
     const auto [width, height] = std::pair(scene_.settings.width_px, scene_.settings.height_px);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);

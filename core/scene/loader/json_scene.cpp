@@ -10,6 +10,7 @@
 #include "core/scene/import/nested_instances.hpp"
 #include "core/scene/import/scene_format.hpp"
 #include "core/scene/loader/asset_cache.hpp"
+#include "core/scene/loader/coordinate_grid.hpp"
 #include "core/scene/loader/curve_file.hpp"
 #include "core/scene/loader/file_warnings.hpp"
 #include "core/scene/loader/light_limit.hpp"
@@ -262,7 +263,10 @@ Result<MeshDescription> SceneAssembler::load_deforming_mesh(const MeshEntry& ent
                               in_quotes(path)));
     auto file = read_mesh_file(path, SceneFormat::kPly);
     if (!file) return fail(file.error());
-    if (i == 0) warnings = std::move(file->warnings);
+    if (i == 0) {
+      warnings = std::move(file->warnings);
+      tell_coarse_coordinates(file->mesh, warnings);
+    }
     steps.push_back({entry.steps.frames[i], path, std::move(file->mesh)});
   }
   auto materials = materials_of(entry, steps[0].mesh);
@@ -281,6 +285,7 @@ Result<MeshDescription> SceneAssembler::load_indexed_mesh(const MeshEntry& entry
   if (!materials) return fail(materials.error());
   file->mesh.triangle_materials = std::move(*materials);
   const bool is_known = warnings_.knows(entry.file);
+  tell_coarse_coordinates(file->mesh, file->warnings);
   auto mesh =
       build_indexed_mesh(std::move(file->mesh), entry.normals, entry.transform, entry.colors, file->warnings);
   if (!is_known) warnings_.of(entry.file) = std::move(file->warnings);
@@ -313,7 +318,10 @@ Result<MeshDescription> SceneAssembler::load_obj_mesh(const MeshEntry& entry) {
   if (!obj) return fail(obj.error());
   if (auto counted = count_triangles(entry.file, (*obj)->triangle_count()); !counted)
     return fail(counted.error());
-  if (!warnings_.knows(entry.file)) warnings_.of(entry.file) = (*obj)->text.warnings;
+  if (!warnings_.knows(entry.file)) {
+    warnings_.of(entry.file) = (*obj)->text.warnings;
+    tell_coarse_coordinates(**obj, warnings_.of(entry.file));
+  }
   std::vector<std::uint32_t> materials;
   if (entry.material) {
     materials = {*entry.material};

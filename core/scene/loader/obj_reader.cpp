@@ -16,6 +16,7 @@
 #include "core/scene/loader/obj_corner.hpp"
 #include "core/scene/loader/polygon.hpp"
 #include "core/scene/loader/text_lines.hpp"
+#include "core/scene/loader/vertex_normals.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
@@ -61,6 +62,8 @@ class FaceReader : private std::streambuf {
   void smooth(std::string_view line);
   Status count_triangles(std::size_t more) const;
   Status check_enough_is_left() const;
+  // Whether a triangle of the current face has one.
+  bool has_area() const;
   std::string missing(int index, const Counts& counts) const;
   int line_of_broken(std::int32_t position) const;
   void add(const std::array<std::uint32_t, 3>& triangle);
@@ -164,15 +167,12 @@ Status FaceReader::face(const tinyobj::index_t* corners, int count) {
   for (int i = 0; i < count; ++i)
     if (!add_corner(corners[i])) return {};
   if (auto ok = count_triangles(face_.size() - 2); !ok) return ok;
-  if (face_.size() == 3) {
-    add({0, 1, 2});
-    return {};
-  }
   outline_.clear();
   triangles_.clear();
   for (const FaceCorner& c : face_)
     outline_.push_back(file_.text.positions[static_cast<std::size_t>(c.position)]);
   if (triangulate(outline_, triangles_)) {
+    if (!has_area()) warn("flat", [] { return "a face without an area is left out"; });
     for (const auto& triangle : triangles_) add(triangle);
   } else {
     leave_out("concave", [] {
@@ -180,6 +180,12 @@ Status FaceReader::face(const tinyobj::index_t* corners, int count) {
     });
   }
   return {};
+}
+
+bool FaceReader::has_area() const {
+  return std::ranges::any_of(triangles_, [&](const std::array<std::uint32_t, 3>& t) {
+    return area_normal(outline_[t[0]], outline_[t[1]], outline_[t[2]]) != AreaNormal{};
+  });
 }
 
 Status FaceReader::count_triangles(std::size_t more) const {

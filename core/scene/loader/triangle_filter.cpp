@@ -100,20 +100,23 @@ bool has_area(const MeshDescription& mesh, const std::array<std::uint32_t, 3>& t
 
 }  // namespace
 
-void remove_superfluous_triangles(MeshDescription& mesh) {
+std::size_t remove_superfluous_triangles(MeshDescription& mesh) {
   const PossibleTwins twins(mesh);
   KeptTriangles kept;
   const bool one_material = mesh.triangle_materials.size() == 1;
-  std::size_t count = 0;
+  std::size_t count = 0, flat = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto triangle = mesh.triangles[t];
-    if (!has_area(mesh, triangle) || (twins.has(t) && !kept.add(mesh, triangle))) continue;
+    const bool is_flat = !has_area(mesh, triangle);
+    flat += is_flat ? 1 : 0;
+    if (is_flat || (twins.has(t) && !kept.add(mesh, triangle))) continue;
     mesh.triangles[count] = triangle;
     if (!one_material) mesh.triangle_materials[count] = mesh.triangle_materials[t];
     ++count;
   }
   mesh.triangles.resize(count);
   if (!one_material) mesh.triangle_materials.resize(count);
+  return flat;
 }
 
 }  // namespace tessera::core

@@ -159,8 +159,8 @@ MeshDescription sphere_mesh() {
   const auto vertex = [](std::uint32_t i, std::uint32_t j) { return j * (kAround + 1) + i; };
   for (std::uint32_t j = 0; j < kDown; ++j)
     for (std::uint32_t i = 0; i < kAround; ++i) {
-      mesh.triangles.push_back({vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1)});
-      mesh.triangles.push_back({vertex(i, j), vertex(i + 1, j + 1), vertex(i + 1, j)});
+      if (j + 1 < kDown) mesh.triangles.push_back({vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1)});
+      if (j > 0) mesh.triangles.push_back({vertex(i, j), vertex(i + 1, j + 1), vertex(i + 1, j)});
     }
   return mesh;
 }

@@ -6,12 +6,19 @@
 #include <cstddef>
 
 #include "core/math/elementary.hpp"
+#include "core/scene/loader/vertex_normals.hpp"
 
 namespace tessera::core::pbrt {
 namespace {
 
 constexpr int kSegments = 128;  // of a full turn
 constexpr int kPatchSide = 16;
+
+// At poles, where an edge of a cell is a point, one of its triangles has no area and is not added.
+void add_triangle(MeshDescription& mesh, const std::array<std::uint32_t, 3>& t) {
+  const auto& p = mesh.positions;
+  if (area_normal(p[t[0]], p[t[1]], p[t[2]]) != AreaNormal{}) mesh.triangles.push_back(t);
+}
 
 // Adds a vertex for each point of a grid of columns x rows cells, and two triangles for each cell. `vertex`
 // is called with the fractions along both axes and adds one vertex.
@@ -26,8 +33,8 @@ void add_grid(int columns, int rows, MeshDescription& mesh, const Vertex& vertex
   for (std::uint32_t row = 0; row < static_cast<std::uint32_t>(rows); ++row)
     for (std::uint32_t column = 0; column + 1 < stride; ++column) {
       const std::uint32_t a = first + row * stride + column, b = a + 1, c = a + stride, d = c + 1;
-      mesh.triangles.push_back({a, b, d});
-      mesh.triangles.push_back({a, d, c});
+      add_triangle(mesh, {a, b, d});
+      add_triangle(mesh, {a, d, c});
     }
 }
 

@@ -375,5 +375,13 @@ TEST(GltfReplacedValues, OfAnimationsAndInstances) {
   EXPECT_THAT(warnings, HasSubstr("animations[0].samplers[1].output: has 1 weights for 0 morph targets"));
 }
 
+TEST(GltfReplacedValues, OfCoordinatesFarFromTheOrigin) {
+  GltfFile file;
+  file.node({{"mesh", file.triangle()}, {"translation", {4.5e6, 0, 0}}, {"scale", {50, 50, 50}}});
+  const auto scene = load_gltf(file.text());
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_THAT(test::warnings_of(*scene), HasSubstr("rounded to multiples of 0.5"));
+}
+
 }  // namespace
 }  // namespace tessera::core

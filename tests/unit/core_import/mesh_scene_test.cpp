@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bare meshes as scenes, and PLY and STL files in scenes of our own format.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -103,6 +104,47 @@ TEST(BareMesh, IsRefusedWithItsNameOnceIfBroken) {
   }
 }
 
+// Two triangles at a distance from the origin.
+std::string surveyed_obj(double offset, double size) {
+  std::string text;
+  for (const auto& [x, y, z] :
+       {std::tuple(0, 0, 0), std::tuple(1, 0, 0), std::tuple(1, 1, 0), std::tuple(0, 1, 1)})
+    text += fmt::format("v {} {} {}\n", offset + x * size, offset + y * size, z * size);
+  return text + "f 1 2 3\nf 1 3 4\n";
+}
+
+std::string coarse_warnings(const SceneDescription& scene) {
+  std::string all;
+  for (const std::string& warning : scene.warnings)
+    if (warning.find("rounded") != std::string::npos) all += warning + "\n";
+  return all;
+}
+
+TEST(BareMesh, FarFromTheOriginIsTold) {
+  EXPECT_EQ(
+      coarse_warnings(bare("t.obj", surveyed_obj(4.5e6, 50))),
+      "folder/t.obj: coordinates so far from the origin are rounded to multiples of 0.5, which changes the "
+      "shape of triangles; subtract an offset from all coordinates when you export the file (2 "
+      "triangles)\n");
+  EXPECT_EQ(coarse_warnings(bare("t.obj", surveyed_obj(4.5e6, 20'000))), "") << "only large triangles";
+  EXPECT_EQ(coarse_warnings(bare("t.obj", surveyed_obj(4500, 50))), "") << "less than a millimeter";
+  EXPECT_EQ(coarse_warnings(bare("t.obj", surveyed_obj(0, 1e-3))), "");
+}
+
+// Details of half a metre in a mesh of 20 kilometres.
+TEST(BareMesh, TellsDetailsThatAreTooSmallFarFromTheOrigin) {
+  const std::string text = surveyed_obj(4.5e6, 20'000) +
+                           "v 4500001 4500000 0\nv 4500002 4500000 0\nv 4500002 4500001 0\nf 5 6 7\n";
+  EXPECT_THAT(coarse_warnings(bare("t.obj", text)), HasSubstr("when you export the file\n"));
+}
+
+TEST(BareMesh, TellsTrianglesWithoutAnArea) {
+  std::string text = roof_ply();
+  text.replace(text.find("element face 2"), 14, "element face 3");
+  EXPECT_THAT(bare("t.ply", text + "3 0 1 1\n").warnings,
+              ElementsAre("folder/t.ply: triangles without an area are left out"));
+}
+
 TEST(Formats, WithoutReaderAreRefusedByASentence) {
   const auto scene = load_bare("t.xyz", "nonsense");
   ASSERT_FALSE(scene);
@@ -131,6 +173,23 @@ TEST(MeshOfAScene, ComesFromPlyAndStlFiles) {
                 {{"m.stl", kTriangleStl}});
   EXPECT_THAT(mesh_of(stl).normals, IsEmpty());
   EXPECT_EQ(mesh_of(stl).positions.at(2), (Vec3{0, 0, 4}));
+}
+
+TEST(MeshOfAScene, FarFromTheOriginInItsFileIsTold) {
+  const std::string obj = surveyed_obj(4.5e6, 50), vertices = obj.substr(0, obj.find("f "));
+  std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+      "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const char c : vertices)
+    if (c != 'v') ply += c;
+  for (const auto& [name, content] :
+       {std::pair("m.obj", obj), std::pair("m.ply", ply + "3 0 1 2\n3 0 2 3\n")}) {
+    const SceneDescription scene = with_mesh(
+        fmt::format(R"("file": "{}", "material": "a", "transform": [{{"translate": [-4.5e6, -4.5e6, 0]}}])",
+                    name),
+        {{name, content}});
+    EXPECT_THAT(coarse_warnings(scene), HasSubstr("rounded to multiples of 0.5")) << name;
+  }
 }
 
 TEST(MeshOfAScene, CanUseVertexColorsWithAMaterial) {

@@ -103,7 +103,8 @@ TEST_F(SceneBuilderTest, RepairsMeshesAndCountsWhatItChanges) {
   EXPECT_EQ(kept.normals.at(1), (Vec3{0, 0, 1}));
   EXPECT_TRUE(kept.uvs.empty());
   EXPECT_THAT(scene->warnings,
-              ElementsAre(HasSubstr("folder/s.xyz:7: triangles whose corners"), HasSubstr("normals without"),
+              ElementsAre(HasSubstr("folder/s.xyz:7: triangles whose corners"),
+                          HasSubstr("triangles without an area are left out"), HasSubstr("normals without"),
                           HasSubstr("texture coordinates are ignored")));
 }
 

@@ -314,7 +314,7 @@ TEST(Obj, ReadsVertexColorsAsDisplaysShowThem) {
 TEST(Obj, ReadsPolypaint) {
   const std::string text =
       "v 0 0 0 200 0 0\nv 1 0 0\nv 0 1 0\n#MRGB ffff0000FF00bc00\n#MRGB 00ffffff\n"
-      "v 1 1 0\nv 2 0 0\n#MRGB ff0000ff\nf 1 2 3\nf 1 2 4\nf 1 2 5\n";
+      "v 1 1 0\nv 2 1 0\n#MRGB ff0000ff\nf 1 2 3\nf 1 2 4\nf 1 2 5\n";
   const std::vector<Rgb> colors = read_text(text).text.colors;
   ASSERT_EQ(colors.size(), 5u);
   EXPECT_EQ(colors[0], (Rgb{1, 0, 0})) << "in place of that of the vertex";
@@ -379,6 +379,12 @@ TEST(Obj, LeavesOutConcaveFacesOfTooManyCorners) {
       warnings_of(text + "v 2500 9999 0\n" + face + " 5001\n"),
       (std::vector<std::string>{
           "x.obj:5003: a face that is not convex may have 4096 corners at most; the face is left out"}));
+}
+
+TEST(Obj, TellsFacesWithoutAnArea) {
+  const std::string text = kFourCorners + "v 2 0 0\nf 1 2 3\nf 1 2 5\nf 1 2 1 2\nf 1 2 5 3\n";
+  EXPECT_EQ(warnings_of(text),
+            (std::vector<std::string>{"x.obj:7: a face without an area is left out (2 times)"}));
 }
 
 TEST(Obj, IsRefusedWhenCutBeforeItsFaces) {
