@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <utility>
+#include <vector>
 
 #include "core/base/suggestion.hpp"
 #include "core/geometry/placement.hpp"
@@ -70,6 +71,12 @@ MediumInterface MediumConverter::interface_of(const Plugin& shape) {
   const MediumInterface media{side("interior", light), side("exterior", std::nullopt)};
   if (light && media.interior == kNoMedium) light->warn("needs a medium inside of its shape; it is left out");
   return media;
+}
+
+int MediumConverter::medium_around(const Plugin& sensor) {
+  const std::vector<Plugin> media = sensor.children(Kind::kMedium);
+  if (media.size() > 1) sensor.warn("has several media, which Mitsuba refuses; the first one is used");
+  return media.empty() ? kNoMedium : medium(media.front(), std::nullopt);
 }
 
 int MediumConverter::medium(const Plugin& plugin, const std::optional<Plugin>& light) {

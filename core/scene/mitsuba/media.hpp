@@ -19,6 +19,8 @@ class MediumConverter {
   // The media that a shape names as its interior and exterior. The interior emits what the shape's
   // <emitter type="volumelight"> says.
   MediumInterface interface_of(const Plugin& shape);
+  // The medium inside of a sensor, where the paths of its camera begin; kNoMedium if there is none.
+  int medium_around(const Plugin& sensor);
 
  private:
   // A coefficient: a constant, or a grid with its place.

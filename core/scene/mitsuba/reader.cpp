@@ -23,7 +23,7 @@ namespace tessera::core {
 namespace mitsuba {
 namespace {
 
-void set_chosen_sensor(Conversion& conversion, const Plugin& scene) {
+void set_chosen_sensor(Conversion& conversion, MediumConverter& media, const Plugin& scene) {
   const std::vector<Plugin> sensors = scene.children(Kind::kSensor);
   std::vector<std::string>& names = conversion.builder.scene().contents.cameras;
   for (const Plugin& sensor : sensors) names.push_back(printable(sensor.name()));
@@ -32,6 +32,7 @@ void set_chosen_sensor(Conversion& conversion, const Plugin& scene) {
   if (!chosen) return conversion.check(fail(chosen.error()));
   if (sensors.empty()) return;
   set_sensor(conversion, sensors[*chosen]);
+  conversion.builder.scene().camera_medium = media.medium_around(sensors[*chosen]);
   if (wanted.empty() && sensors.size() > 1)
     scene.warn("has several sensors; the first one is used, and another one can be chosen (--camera)");
 }
@@ -69,10 +70,10 @@ std::set<NodeId> children_of_shapes(const SceneGraph& graph) {
 void convert_scene(Conversion& conversion) {
   const Plugin scene(conversion, 0);
   for (const Plugin& integrator : scene.children(Kind::kIntegrator)) set_integrator(conversion, integrator);
-  set_chosen_sensor(conversion, scene);
+  MediumConverter media(conversion);
+  set_chosen_sensor(conversion, media, scene);
   TextureConverter textures(conversion);
   MaterialConverter materials(conversion, textures);
-  MediumConverter media(conversion);
   ShapeConverter shapes(conversion, materials, media);
   EmitterConverter emitters(conversion, textures);
   const std::set<NodeId> of_shapes = children_of_shapes(conversion.graph);

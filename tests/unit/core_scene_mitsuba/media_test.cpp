@@ -112,6 +112,25 @@ TEST(MitsubaMedium, GridsOfOneLatticeAreMultipliedAsTheyAre) {
 }
 
 // The radiance per unit of length is sigma_a * scale * emission.
+TEST(MitsubaMedium, OfASensorIsAroundTheCamera) {
+  const std::string fog = "<medium type='homogeneous' id='fog'><float name='sigma_t' value='2'/></medium>";
+  const std::string camera = "<sensor type='perspective'>";
+  const SceneDescription referred =
+      scene_of(camera + "<ref id='fog'/></sensor>" + fog +
+               "<shape type='cube'><bsdf type='null'/><ref name='interior' id='fog'/></shape>");
+  EXPECT_EQ(referred.camera_medium, 0);
+  EXPECT_EQ(referred.materials.at(0).media.interior, 0);
+  EXPECT_EQ(referred.media.size(), 1u);
+  EXPECT_THAT(warnings_of(referred), Not(HasSubstr("is ignored")));
+  const SceneDescription nested = scene_of(camera + fog + "</sensor>");
+  EXPECT_EQ(nested.camera_medium, 0);
+  EXPECT_EQ(nested.media.at(0).name, "fog");
+  EXPECT_THAT(warnings_of(nested), Not(HasSubstr("is ignored")));
+  const SceneDescription two = scene_of(camera + fog + "<medium type='homogeneous'/></sensor>");
+  EXPECT_EQ(two.media.size(), 1u);
+  EXPECT_THAT(warnings_of(two), HasSubstr("has several media, which Mitsuba refuses; the first one is used"));
+}
+
 TEST(MitsubaMedia, EmitByTheirShapesVolumeLights) {
   const std::string radiance = "<rgb name=\"radiance\" value=\"2 0 1\"/>";
   const SceneDescription even = with_volume_light(
