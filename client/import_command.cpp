@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,6 +15,7 @@
 #include "client/console.hpp"
 #include "client/scene_flags.hpp"
 #include "core/base/printable.hpp"
+#include "core/base/suggestion.hpp"
 #include "core/image/file_io.hpp"
 #include "core/scene/cache/scene_digest.hpp"
 #include "core/scene/import/scene_format.hpp"
@@ -43,22 +45,37 @@ core::Status write_one(const fs::path& folder, const std::string& name, std::str
   return core::write_file_atomically(path.string(), bytes);
 }
 
+struct Digests {
+  core::SceneDigest scene;
+  std::vector<core::Checksum> materials;
+};
+
 // Names are no part of what is rendered.
-core::SceneDigest digest_without_names(core::SceneDescription& scene) {
+Digests digests_without_names(core::SceneDescription& scene) {
   for (core::Material& material : scene.materials) material.name.clear();
   for (core::MediumDescription& medium : scene.media) medium.name.clear();
   for (core::ObjectDescription& object : scene.objects) {
     object.name.clear();
     object.shape_names.clear();
   }
-  return core::digest_of(scene);
+  return {core::digest_of(scene), core::digests_of_materials(scene)};
 }
 
-// What differs between the scenes; empty if they render alike.
-std::string part_that_differs(const core::SceneDigest& a, const core::SceneDigest& b) {
+// The first material that differs; "a material or a medium" if it is something else of these.
+std::string material_that_differs(const Digests& a, const Digests& b, const std::vector<std::string>& names) {
+  const std::size_t count = std::min({a.materials.size(), b.materials.size(), names.size()});
+  for (std::size_t i = 0; i < count; ++i)
+    if (a.materials[i] != b.materials[i]) return "the material " + core::in_quotes(names[i]);
+  return "a material or a medium";
+}
+
+// What differs between the scenes, whose materials have these names; empty if they render alike.
+std::string part_that_differs(const Digests& original, const Digests& written,
+                              const std::vector<std::string>& names) {
+  const core::SceneDigest &a = original.scene, &b = written.scene;
   if (a.camera != b.camera) return "the camera";
   if (a.textures != b.textures) return "a texture";
-  if (a.materials != b.materials) return "a material or a medium";
+  if (a.materials != b.materials) return material_that_differs(original, written, names);
   if (a.shapes != b.shapes) return "a shape";
   if (a.lights != b.lights) return "a light";
   return a.environment == b.environment ? "" : "the environment";
@@ -74,12 +91,14 @@ core::Status write_and_compare(core::SceneDescription scene, const std::string& 
   };
   if (auto status = core::write_scene(scene, output.stem().string(), write); !status) return status;
   const core::RenderSettings settings = scene.settings;
-  const core::SceneDigest original = digest_without_names(scene);
+  const Digests original = digests_without_names(scene);
   scene = {};  // frees it
   auto again = core::load_scene_file(output_path);
   if (!again) return core::fail(again.error().within("the written scene cannot be read"));
+  std::vector<std::string> names;
+  for (const core::Material& material : again->materials) names.push_back(material.name);
   const std::string differs = again->settings == settings
-                                  ? part_that_differs(original, digest_without_names(*again))
+                                  ? part_that_differs(original, digests_without_names(*again), names)
                                   : "the render settings";
   if (differs.empty()) return {};
   return core::fail(

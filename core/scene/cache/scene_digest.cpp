@@ -63,6 +63,12 @@ SceneDigest digest_of(const SceneDescription& scene) {
   return digest;
 }
 
+std::vector<Checksum> digests_of_materials(const SceneDescription& scene) {
+  std::vector<Checksum> digests;
+  for (const Material& material : scene.materials) digests.push_back(checksum_of_parts(material));
+  return digests;
+}
+
 std::string digest_text(const SceneDigest& digest) {
   std::string text;
   for (const Checksum& part :

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/scene/cache/block_file.hpp"
 #include "core/scene/description.hpp"
@@ -18,6 +19,8 @@ struct SceneDigest {
 };
 
 SceneDigest digest_of(const SceneDescription& scene);
+// One checksum for each material, without those of animations.
+std::vector<Checksum> digests_of_materials(const SceneDescription& scene);
 // All of it in hexadecimal digits, for files and messages.
 std::string digest_text(const SceneDigest& digest);
 // The digest of the scene at a frame, from that of the scene.

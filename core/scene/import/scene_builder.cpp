@@ -16,6 +16,7 @@
 #include "core/scene/loader/coordinate_grid.hpp"
 #include "core/scene/loader/light_limit.hpp"
 #include "core/scene/loader/wording.hpp"
+#include "core/scene/tables/effective_keys.hpp"
 #include "core/scene/tables/material_tables.hpp"
 #include "core/scene/validate_materials.hpp"
 #include "core/scene/validate_shapes.hpp"
@@ -24,13 +25,24 @@
 namespace tessera::core {
 namespace {
 
-// With the defaults of the keys that the model does not have, which cannot be written.
-Material with_keys_of_its_model(Material material) {
+// A map without a texture is none.
+template <typename Value>
+Value effective(Value value) {
+  if constexpr (HasTable<Value>)
+    if (value.texture < 0) return {};
+  return value;
+}
+
+// With the defaults of the keys that the model does not have or that have no effect: they cannot be written.
+Material with_effective_keys(Material material) {
   Material kept;
   std::visit(
-      [&]<typename Model>(const Model&) {
+      [&]<typename Model>(Model& model) {
         visit_members(kCommonKeys<Model>, material,
-                      [&](const auto& key, auto& value) { key.of(kept) = std::move(value); });
+                      [&](const auto& key, auto& value) { key.of(kept) = effective(std::move(value)); });
+        visit_members(kKeys<Model>, model, [&](const auto& key, auto& value) {
+          value = has_effect(model, key.name) ? effective(std::move(value)) : key.of(Model{});
+        });
       },
       material.model);
   kept.name = std::move(material.name);
@@ -126,7 +138,7 @@ Result<int> SceneBuilder::add_texture(const std::string& path, const ImageUse& u
 
 // The parts of a blend have sides of their own.
 std::uint32_t SceneBuilder::add_material(Material material) {
-  scene_.materials.push_back(with_keys_of_its_model(std::move(material)));
+  scene_.materials.push_back(with_effective_keys(std::move(material)));
   return static_cast<std::uint32_t>(scene_.materials.size()) - 1;
 }
 

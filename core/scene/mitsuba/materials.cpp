@@ -181,14 +181,16 @@ Surface MaterialConverter::straight(const Plugin& bsdf, const TextureSite& site,
 Surface MaterialConverter::hair(const Plugin& bsdf, const TextureSite& site) {
   constexpr float kMaxMelanin = 1000, kMaxAbsorption = 100;  // more makes no light visible
   Hair model;
-  model.eumelanin = bsdf.real_in("eumelanin", 1.3f, 0, kMaxMelanin);
-  model.pheomelanin = bsdf.real_in("pheomelanin", 0.2f, 0, kMaxMelanin);
   model.beta_m = bsdf.real_in("longitudinal_roughness", 0.3f, 0, 1);
   model.beta_n = bsdf.real_in("azimuthal_roughness", 0.3f, 0, 1);
   model.tilt_degrees = bsdf.real_in("scale_tilt", 2, -kMaxHairTiltDegrees, kMaxHairTiltDegrees);
   model.ior = boundary_of(bsdf, "amber").ratio;
-  const float scale = bsdf.real_in("scale", 1, 0, kUnbounded);
-  if (bsdf.has("sigma_a")) {
+  if (!bsdf.has("sigma_a")) {
+    model.eumelanin = bsdf.real_in("eumelanin", 1.3f, 0, kMaxMelanin);
+    model.pheomelanin = bsdf.real_in("pheomelanin", 0.2f, 0, kMaxMelanin);
+    bsdf.ignore({"scale"});
+  } else {
+    const float scale = bsdf.real_in("scale", 1, 0, kUnbounded);
     model.pigment = HairPigment::kAbsorption;
     model.sigma_a = textures_.color(bsdf, "sigma_a", Rgb{}, site, kUnbounded);
     const Rgb scaled = model.sigma_a.value * scale;

@@ -271,6 +271,22 @@ Materials::Model Materials::diffuse_transmission(const Parameters& p) {
   return DiffuseTransmission{*reflected, *transmitted};
 }
 
+namespace {
+
+// Of the parameters that tell what absorbs light in hair, the first counts, or else both kinds of melanin.
+void remark_ineffective_pigments(const Parameters& p) {
+  std::string_view counts;
+  for (const std::string_view name : {"sigma_a", "reflectance", "color", "eumelanin", "pheomelanin"}) {
+    if (!p.has(name)) continue;
+    if (counts.empty())
+      counts = name;
+    else if (counts != "eumelanin")
+      p.remark(name, fmt::format("is ignored, because '{}' is given", counts));
+  }
+}
+
+}  // namespace
+
 Materials::Model Materials::hair(const Parameters& p) {
   Hair hair;
   const bool has_melanin = p.has("eumelanin") || p.has("pheomelanin");
@@ -294,8 +310,7 @@ Materials::Model Materials::hair(const Parameters& p) {
     hair.reflectance = *given;
     hair.pigment = HairPigment::kReflectance;
   }
-  if (p.has("sigma_a") + (p.has("color") || p.has("reflectance")) + has_melanin > 1)
-    p.remark("sigma_a", "and colours or pigments are given; the absorption counts, or else the colour");
+  remark_ineffective_pigments(p);
   if (p.has("sigma_a")) {
     auto given = baker_.color(textures_.color(p, "sigma_a", SpectrumRole::kUnbounded, Rgb{}), kMaxAbsorption,
                               p.place_of(p.find("sigma_a")));

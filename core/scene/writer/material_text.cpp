@@ -3,27 +3,13 @@
 
 #include <variant>
 
+#include "core/scene/tables/effective_keys.hpp"
 #include "core/scene/tables/material_tables.hpp"
 
 namespace tessera::core {
 namespace {
 
 using json_text::Object;
-
-template <typename Model>
-bool is_written(const Model&, std::string_view) {
-  return true;
-}
-// A metal has its own reflectance.
-bool is_written(const CookTorrance& model, std::string_view key) {
-  return !(model.conductor && key == "f0");
-}
-// Its parameter tells the pigment.
-bool is_written(const Hair& model, std::string_view key) {
-  if (key == "reflectance") return model.pigment == HairPigment::kReflectance;
-  if (key == "sigma_a") return model.pigment == HairPigment::kAbsorption;
-  return !key.ends_with("melanin") || model.pigment == HairPigment::kMelanin;
-}
 
 // Keys without a member.
 template <typename Model>
@@ -42,7 +28,7 @@ std::string material_text(const Material& material, const SceneNames& names, con
   std::visit(
       [&]<typename Model>(const Model& model) {
         writer.write(kKeys<Model>, model, tracks,
-                     [&](std::string_view key) { return is_written(model, key); });
+                     [&](std::string_view key) { return has_effect(model, key); });
         add_others(model, names, object);
         writer.write(kCommonKeys<Model>, material, tracks);
       },

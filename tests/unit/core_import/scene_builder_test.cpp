@@ -47,6 +47,34 @@ class SceneBuilderTest : public testing::Test {
   SceneBuilder builder_{assets_, "s.xyz", "folder/s.xyz", limits_};
 };
 
+TEST_F(SceneBuilderTest, ParametersWithoutEffectHaveTheirDefaults) {
+  Hair dyed;
+  dyed.pigment = HairPigment::kAbsorption;
+  dyed.sigma_a.value = Rgb::gray(2);
+  dyed.eumelanin = 5;
+  dyed.reflectance.value = Rgb{};
+  CookTorrance gold;
+  gold.conductor = Conductor::kGold;
+  gold.f0.value = Rgb::gray(1);
+  Material bumpy;
+  bumpy.normal_map.strength = 3;
+  bumpy.bump.height = 2;
+  for (const auto& model : {MaterialModel(dyed), MaterialModel(gold)}) {
+    bumpy.model = model;
+    builder_.add_material(bumpy);
+  }
+  const auto& materials = builder_.scene().materials;
+  const auto& hair = std::get<Hair>(materials[0].model);
+  EXPECT_EQ(hair.sigma_a.value, Rgb::gray(2));
+  EXPECT_EQ(hair.eumelanin.value, Hair().eumelanin.value);
+  EXPECT_EQ(hair.reflectance.value, Hair().reflectance.value);
+  const auto& metal = std::get<CookTorrance>(materials[1].model);
+  EXPECT_EQ(metal.conductor, Conductor::kGold);
+  EXPECT_EQ(metal.f0.value, CookTorrance().f0.value);
+  EXPECT_EQ(materials[1].normal_map.strength, 1);
+  EXPECT_EQ(materials[1].bump.height, Material().bump.height);
+}
+
 TEST_F(SceneBuilderTest, DecodesAnImageOnceAndKeepsEqualTexturesOnce) {
   const auto first = builder_.add_texture("a.png", {});
   const auto second = builder_.add_texture("a.png", {});

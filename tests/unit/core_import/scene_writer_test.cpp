@@ -65,6 +65,17 @@ SceneDescription loaded(const std::string& scene, const MemoryAssets::Files& fil
   return description ? std::move(*description) : SceneDescription();
 }
 
+TEST(SceneDigest, OfEachMaterialTellsWhichOneDiffers) {
+  SceneDescription scene;
+  scene.materials = {{"a", Lambert{}}, {"b", Glass{}}};
+  const std::vector<Checksum> before = digests_of_materials(scene);
+  std::get<Glass>(scene.materials[1].model).ior = 1.7f;
+  const std::vector<Checksum> after = digests_of_materials(scene);
+  ASSERT_EQ(after.size(), 2u);
+  EXPECT_EQ(after[0], before[0]);
+  EXPECT_NE(after[1], before[1]);
+}
+
 TEST(SceneWriter, WritesLightGroups) {
   const SceneDescription scene = loaded(R"({
     "render": {"layers": ["depth", "light_groups", "group.key"]},

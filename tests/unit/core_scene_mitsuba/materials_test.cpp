@@ -258,6 +258,10 @@ TEST(MitsubaBsdf, Hair) {
   EXPECT_FLOAT_EQ(dyed.sigma_a.value.b, 1.4f);
   EXPECT_EQ(dyed.beta_m.value, 0.1f);
   EXPECT_EQ(dyed.tilt_degrees, 3);
+  const SceneDescription both = scene_of(
+      "<shape type='sphere'><bsdf type='hair'><rgb name='sigma_a' value='1'/><float name='eumelanin' "
+      "value='2'/></bsdf></shape>");
+  EXPECT_THAT(warnings_of(both), HasSubstr("<bsdf type=\"hair\">: the parameter 'eumelanin' is ignored"));
 }
 
 TEST(MitsubaBsdf, PolarizersLetHalfOfTheLightThrough) {

@@ -340,6 +340,17 @@ TEST(PbrtMaterials, Hair) {
             HairPigment::kReflectance);
 }
 
+TEST(PbrtMaterials, PigmentsOfHairThatDoNotCountAreTold) {
+  const auto warnings_with = [](const std::string& pigments) {
+    return warnings_of(pbrt_world("Material \"hair\" " + pigments + "\n" + kPbrtTriangle));
+  };
+  EXPECT_THAT(warnings_with("\"float pheomelanin\" 1 \"rgb color\" [.6 .3 .1]"),
+              HasSubstr("the parameter 'pheomelanin' of the material 'hair' is ignored, because 'color' is"));
+  EXPECT_THAT(warnings_with("\"rgb sigma_a\" [1 2 3] \"float eumelanin\" 1"),
+              HasSubstr("the parameter 'eumelanin' of the material 'hair' is ignored, because 'sigma_a' is"));
+  EXPECT_EQ(warnings_with("\"float pheomelanin\" 1 \"float eumelanin\" 1"), "");
+}
+
 TEST(PbrtMaterials, SubsurfaceHasTheColourOfItsMedium) {
   const auto diffuse = [](const std::string& parameters) {
     return model_of<Plastic>("Material \"subsurface\" " + parameters).diffuse.value;
