@@ -7,6 +7,9 @@
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
 namespace tessera::core::mitsuba {
@@ -15,7 +18,7 @@ namespace {
 // The channels of an attribute; one channel is a gray.
 struct Attribute {
   bool of_triangles = false;
-  std::vector<std::pair<std::string, const std::vector<float>*>> channels{};  // by their names' ends
+  std::vector<std::pair<std::size_t, const std::vector<float>*>> channels{};  // by their order
   const std::vector<Rgb>* colors = nullptr;                                   // instead of channels
 
   Rgb value(std::size_t i) const {
@@ -31,23 +34,42 @@ struct Attribute {
 
 using NamedAttributes = std::map<std::string, Attribute, std::less<>>;
 
+// The attribute of Mitsuba's to which a property of a PLY file belongs, and the order among its channels.
+struct Channel {
+  std::string attribute;
+  std::size_t order;
+};
+
+// nullopt for properties that are none of an attribute.
+std::optional<Channel> channel_of(const MeshAttribute& column) {
+  constexpr std::string_view kEnds = "rgbaxyzw0123456789", kColorEnds = "rgba";
+  const std::string owner = column.of_triangles ? "face_" : "vertex_";
+  for (const std::string_view color : {"red", "green", "blue", "r", "g", "b"})
+    if (column.name == color) return Channel{owner + "color", kEnds.find(color.front())};
+  const std::size_t cut = column.name.rfind('_');
+  if (cut == std::string::npos || cut + 2 != column.name.size()) return std::nullopt;
+  const std::size_t order = kEnds.find(column.name.back());
+  if (order == std::string_view::npos) return std::nullopt;
+  const std::string color = order < kColorEnds.size() ? "_color" : "";
+  return Channel{owner + column.name.substr(0, cut) + color, order};
+}
+
 // Attributes by Mitsuba's names. Those of a wrong length are left out.
 NamedAttributes attributes_of(const ShapeMesh& mesh) {
   NamedAttributes all;
   const std::size_t vertices = mesh.mesh.positions.size(), triangles = mesh.mesh.triangles.size();
   if (mesh.mesh.colors.size() == vertices && vertices > 0) all["vertex_color"].colors = &mesh.mesh.colors;
   for (const MeshAttribute& column : mesh.attributes) {
-    const std::size_t cut = column.name.rfind('_');
-    if (cut == std::string::npos || column.values.size() != (column.of_triangles ? triangles : vertices))
-      continue;
-    Attribute& attribute = all[(column.of_triangles ? "face_" : "vertex_") + column.name.substr(0, cut)];
+    const auto channel = channel_of(column);
+    if (!channel || column.values.size() != (column.of_triangles ? triangles : vertices)) continue;
+    Attribute& attribute = all[channel->attribute];
     if (attribute.colors != nullptr) continue;
     attribute.of_triangles = column.of_triangles;
-    attribute.channels.emplace_back(column.name.substr(cut + 1), &column.values);
+    attribute.channels.emplace_back(channel->order, &column.values);
   }
-  const auto by_name = [](const auto& a, const auto& b) { return a.first < b.first; };
+  const auto by_order = [](const auto& a, const auto& b) { return a.first < b.first; };
   for (auto& [name, attribute] : all)
-    std::stable_sort(attribute.channels.begin(), attribute.channels.end(), by_name);
+    std::stable_sort(attribute.channels.begin(), attribute.channels.end(), by_order);
   return all;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The shapes of Mitsuba scenes.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "tests/unit/core_scene_mitsuba/mitsuba_scene.hpp"
@@ -193,6 +194,43 @@ TEST(MitsubaShape, AttributesOfFacesAndVerticesAreExact) {
   const auto of_vertices = weights("vertex_heat");
   EXPECT_NEAR(of_vertices[0], 0.5, 1e-5);
   EXPECT_NEAR(of_vertices[1], 0.25, 1e-5);
+}
+
+// The reflectance of a triangle with these properties, which have the values 0.25, 0.5 and 0.75.
+std::string reflectance_by(const std::string& attribute, const std::array<std::string, 3>& properties,
+                           bool of_faces) {
+  std::string declared;
+  for (const std::string& name : properties) declared += "property float " + name + "\n";
+  const std::string values = " 0.25 0.5 0.75\n", of_vertex = of_faces ? "\n" : values;
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n" +
+      (of_faces ? "" : declared) + "element face 1\nproperty list uchar int vertex_indices\n" +
+      (of_faces ? declared : "") + "end_header\n0 0 0" + of_vertex + "1 0 0" + of_vertex + "1 1 0" +
+      of_vertex + "3 0 1 2" + (of_faces ? values : "\n");
+  const SceneDescription scene = scene_of(
+      "<shape type='ply'><string name='filename' value='a.ply'/><bsdf type='diffuse'><texture "
+      "type='mesh_attribute' name='reflectance'><string name='name' value='" +
+          attribute + "'/></texture></bsdf></shape>",
+      {{"a.ply", ply}});
+  const auto& mesh = std::get<MeshDescription>(scene.shapes.at(0));
+  const auto& diffuse = std::get<Lambert>(scene.materials.at(mesh.triangle_materials.at(0)).model);
+  if (diffuse.albedo.texture < 0) return warnings_of(scene);
+  const Rgb color = diffuse.albedo.evaluate(scene.textures, mesh.uvs.at(0));
+  return fmt::format("{:.2f} {:.2f} {:.2f}", color.r, color.g, color.b);
+}
+
+TEST(MitsubaShape, AttributesHaveMitsubasNames) {
+  const std::string values = "0.25 0.50 0.75";
+  for (const bool of_faces : {false, true}) {
+    const std::string owner = of_faces ? "face_" : "vertex_";
+    EXPECT_EQ(reflectance_by(owner + "color", {"r", "g", "b"}, of_faces), values);
+    EXPECT_EQ(reflectance_by(owner + "color", {"red", "green", "blue"}, of_faces), values);
+    EXPECT_EQ(reflectance_by(owner + "albedo_color", {"albedo_r", "albedo_g", "albedo_b"}, of_faces), values);
+    EXPECT_EQ(reflectance_by(owner + "my_tint", {"my_tint_x", "my_tint_y", "my_tint_z"}, of_faces), values);
+    EXPECT_EQ(reflectance_by(owner + "tint", {"tint_1", "tint_2", "tint_3"}, of_faces), values);
+    EXPECT_THAT(reflectance_by(owner + "tint", {"tint_red", "tint_green", "tint_blue"}, of_faces),
+                HasSubstr("the shape has no attribute '" + owner + "tint'"));
+  }
 }
 
 // Of a mesh whose vertices have reflectances, the first one with this red.
