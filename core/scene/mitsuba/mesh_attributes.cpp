@@ -144,12 +144,6 @@ void give_own_vertices(MeshDescription& mesh, const Atlas& atlas) {
   mesh = std::move(split);
 }
 
-bool names_only_vertices(const MeshDescription& mesh) {
-  const std::size_t count = mesh.positions.size();
-  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
-                     [&](const auto& t) { return t[0] < count && t[1] < count && t[2] < count; });
-}
-
 // Null beyond a limit.
 Texture texture_of(Conversion& conversion, TextureImage image) {
   Texture texture;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "core/base/suggestion.hpp"
 #include "core/math/elementary.hpp"
+#include "core/scene/import/corner_uvs.hpp"
 #include "core/scene/loader/mesh_builder.hpp"
 #include "core/scene/mitsuba/serialized_mesh.hpp"
 
@@ -102,13 +104,26 @@ MeshDescription cube_mesh() {
   return mesh;
 }
 
+// Mitsuba's coordinates of points on triangles without any are their barycentric ones.
+void give_barycentric_uvs(const Plugin& shape, ShapeMesh& made) {
+  constexpr CornerUvs kBarycentric{Vec2{0, 0}, {1, 0}, {0, 1}};
+  if (!names_only_vertices(made.mesh))
+    return shape.warn(
+        "has neither texture coordinates nor a vertex for each corner; its images are not shown");
+  for (MeshAttribute& attribute : made.attributes)
+    if (!attribute.of_triangles) give_to_corners(attribute.values, made.mesh);
+  give_corner_uvs(made.mesh, kBarycentric);
+  made.layout = UvLayout::kSame;
+}
+
 // What Mitsuba does to all meshes.
-ShapeMesh finished(const Plugin& shape, ShapeMesh made) {
+ShapeMesh finished(const Plugin& shape, ShapeMesh made, bool has_images) {
   MeshDescription& mesh = made.mesh;
   const bool face_normals = shape.flag("face_normals", false);
   if (face_normals) mesh.normals.clear();
   if (!face_normals && mesh.normals.empty()) mesh.normals = angle_weighted_normals(mesh);
   mesh.triangle_materials.clear();
+  if (has_images && mesh.uvs.empty()) give_barycentric_uvs(shape, made);
   place_mesh(mesh, shape.transform("to_world"));
   if (shape.flag("flip_normals", false)) flip_mesh(mesh);
   return made;
@@ -132,15 +147,21 @@ bool is_mesh(const Plugin& shape) {
   return type == "obj" || type == "ply" || type == "serialized" || type == "cube" || type == "rectangle";
 }
 
-std::optional<ShapeMesh> load_mesh(Conversion& conversion, const Plugin& shape) {
+std::optional<ShapeMesh> load_mesh(Conversion& conversion, const Plugin& shape, bool has_images) {
   const std::string& type = shape.type();
-  if (type == "cube") return finished(shape, {cube_mesh()});
-  if (type == "rectangle") return finished(shape, {rectangle_mesh()});
+  if (type == "cube") return finished(shape, {cube_mesh()}, has_images);
+  if (type == "rectangle") return finished(shape, {rectangle_mesh()}, has_images);
   const auto path = find_shape_file(conversion, shape);
   if (!path) return std::nullopt;
   auto* const read = type == "obj" ? read_obj_shape : type == "ply" ? read_ply_shape : read_serialized_shape;
   auto mesh = usable(conversion, shape, read(conversion, shape, *path));
-  return mesh ? std::optional(finished(shape, std::move(*mesh))) : std::nullopt;
+  return mesh ? std::optional(finished(shape, std::move(*mesh), has_images)) : std::nullopt;
+}
+
+bool names_only_vertices(const MeshDescription& mesh) {
+  const std::size_t count = mesh.positions.size();
+  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
+                     [&](const auto& t) { return t[0] < count && t[1] < count && t[2] < count; });
 }
 
 MeshDescription sphere_mesh() {

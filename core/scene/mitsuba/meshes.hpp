@@ -21,8 +21,12 @@ struct ShapeMesh {
 
 // The mesh of an "obj", "ply", "serialized", "cube" or "rectangle", with its "to_world" applied and its
 // triangles facing where its normals point, as Mitsuba's shading does. Missing normals are computed, by
-// Mitsuba's rule. nullopt after a warning, or an error in `conversion`.
-std::optional<ShapeMesh> load_mesh(Conversion& conversion, const Plugin& shape);
+// Mitsuba's rule, and so are missing texture coordinates if the shape `has_images`. nullopt after a warning,
+// or an error in `conversion`.
+std::optional<ShapeMesh> load_mesh(Conversion& conversion, const Plugin& shape, bool has_images);
+
+// Whether all triangles have vertices that are there.
+bool names_only_vertices(const MeshDescription& mesh);
 
 // The path of the file that the shape names; nullopt after a warning.
 std::optional<std::string> find_shape_file(const Conversion& conversion, const Plugin& shape);

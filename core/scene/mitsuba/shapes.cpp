@@ -73,7 +73,8 @@ MaterialIndex ShapeConverter::material(const Plugin& shape, const TextureSite& s
 }
 
 void ShapeConverter::add_mesh(const Plugin& shape, std::optional<std::uint32_t> object) {
-  if (auto mesh = load_mesh(conversion_, shape)) return add_finished_mesh(shape, std::move(*mesh), object);
+  if (auto mesh = load_mesh(conversion_, shape, needs(shape).images))
+    return add_finished_mesh(shape, std::move(*mesh), object);
   shape.ignore_all();
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/math/elementary.hpp"
+#include "core/scene/import/corner_uvs.hpp"
 #include "core/scene/loader/mesh_file.hpp"
 #include "core/scene/loader/vertex_normals.hpp"
 #include "core/scene/loader/wording.hpp"
@@ -24,22 +25,8 @@ namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
 
-// A vertex for each corner, with the texture coordinates that triangles without any have.
-void give_default_uvs(MeshDescription& mesh) {
-  MeshDescription own;
-  own.positions.reserve(3 * mesh.triangles.size());
-  for (const Corners& triangle : mesh.triangles) {
-    const auto first = static_cast<std::uint32_t>(own.positions.size());
-    for (const std::uint32_t v : triangle) {
-      own.positions.push_back(mesh.positions[v]);
-      if (!mesh.normals.empty()) own.normals.push_back(mesh.normals[v]);
-      if (!mesh.tangents.empty()) own.tangents.push_back(mesh.tangents[v]);
-    }
-    own.uvs.insert(own.uvs.end(), {{0, 0}, {1, 0}, {1, 1}});
-    own.triangles.push_back({first, first + 1, first + 2});
-  }
-  mesh = std::move(own);
-}
+// The texture coordinates at the corners of triangles without any.
+constexpr CornerUvs kDefaultUvs{Vec2{0, 0}, {1, 0}, {1, 1}};
 
 // Of twice the length of the triangle's area.
 Vec3 corner_normal(const MeshDescription& mesh, const Corners& t) {
@@ -399,7 +386,7 @@ Status Shapes::add_mesh(MeshDescription mesh, const Parameters& p, const ShapePl
       return std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return v >= vertices; });
     });
   }
-  if (mesh.uvs.empty() && surfaces_.is_textured(at.surface)) give_default_uvs(mesh);
+  if (mesh.uvs.empty() && surfaces_.is_textured(at.surface)) give_corner_uvs(mesh, kDefaultUvs);
   move_to_placement(mesh, at);
   const TriangleAreas areas = areas_of(mesh);
   const std::size_t lights = std::max<std::size_t>(shapes.value_or(mesh.triangles.size()), 1);

@@ -85,6 +85,26 @@ TEST(MitsubaShape, MeshesWithoutNormalsGetMeansWeightedByAngle) {
   EXPECT_TRUE(flat.normals.empty());
 }
 
+// (b1, b2), whatever `flip_tex_coords` says of those of files; images of other shapes do not split vertices.
+TEST(MitsubaShape, ImagesOnMeshesWithoutCoordinatesHaveBarycentricOnes) {
+  const MemoryAssets::Files files{{"a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"}};
+  const std::string obj = "<shape type='obj'><string name='filename' value='a.obj'/>";
+  const SceneDescription scene =
+      scene_of(obj + "<bsdf type='diffuse'><texture type='checkerboard' name='reflectance'/></bsdf></shape>" +
+                   obj + "<bsdf type='diffuse'/></shape>",
+               files);
+  const auto& mesh = std::get<MeshDescription>(scene.shapes.at(0));
+  const std::vector<Vec2> uvs{{0, 0}, {1, 0}, {0, 1}, {0, 0}, {1, 0}, {0, 1}};
+  EXPECT_EQ(mesh.uvs, uvs);
+  EXPECT_EQ(mesh.positions.at(5), (Vec3{0, 1, 0}));
+  EXPECT_EQ(mesh.normals.size(), 6u);
+  const auto& texture = scene.textures.at(0);
+  EXPECT_EQ(texture.scale.y, -1) << "the first row is at v = 0";
+  const auto& plain = std::get<MeshDescription>(scene.shapes.at(1));
+  EXPECT_EQ(plain.positions.size(), 4u);
+  EXPECT_TRUE(plain.uvs.empty());
+}
+
 TEST(MitsubaShape, TrianglesFaceWhereTheirNormalsPoint) {
   const std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
