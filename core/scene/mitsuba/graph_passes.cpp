@@ -41,7 +41,8 @@ void upgrade_node(Node& node) {
   Transform to_uv;
   bool has_to_uv = false;
   for (Property& property : node.properties) {
-    if (node.type == "diffuse" && property.name == "diffuse_reflectance") property.name = "reflectance";
+    if (node.type.ends_with("diffuse") && property.name == "diffuse_reflectance")
+      property.name = "reflectance";
     const bool is_scale = property.name == "uscale" || property.name == "vscale";
     const auto* number = std::get_if<double>(&property.value);
     if (number == nullptr || (!is_scale && property.name != "uoffset" && property.name != "voffset"))

@@ -19,21 +19,6 @@ namespace {
 constexpr NodeId kNoNode = std::numeric_limits<NodeId>::max();
 constexpr float kUnbounded = std::numeric_limits<float>::max();
 
-Surface one_sided(const Plugin& bsdf, MaterialModel model) {
-  Surface surface;
-  surface.material.name = bsdf.name();
-  surface.material.model = std::move(model);
-  surface.material.two_sided = false;
-  surface.material.shading_normals = ShadingNormals::kPlain;
-  return surface;
-}
-
-Surface open(const Plugin& bsdf, MaterialModel model) {
-  Surface surface = one_sided(bsdf, std::move(model));
-  surface.material.two_sided = true;
-  return surface;
-}
-
 // The index for which Burley's "specular" is the reflectance at normal incidence, times 0.08.
 float index_of_specular(float specular) {
   return 2 / (1 - std::sqrt(0.08f * std::clamp(specular, 0.0f, 1.0f))) - 1;
@@ -77,6 +62,21 @@ void undo_opacity(const Plugin& emitter, Material& material) {
 }
 
 }  // namespace
+
+Surface one_sided(const Plugin& bsdf, MaterialModel model) {
+  Surface surface;
+  surface.material.name = bsdf.name();
+  surface.material.model = std::move(model);
+  surface.material.two_sided = false;
+  surface.material.shading_normals = ShadingNormals::kPlain;
+  return surface;
+}
+
+Surface open(const Plugin& bsdf, MaterialModel model) {
+  Surface surface = one_sided(bsdf, std::move(model));
+  surface.material.two_sided = true;
+  return surface;
+}
 
 MaterialIndex MaterialConverter::material(const MaterialUse& use) {
   const NodeId bsdf = use.bsdf ? use.bsdf->id() : kNoNode;
@@ -134,6 +134,7 @@ Surface MaterialConverter::convert(const Plugin& bsdf, const TextureSite& site, 
   if (type == "hair") return hair(bsdf, site);
   if (type == "polarizer" || type == "circular") return straight(bsdf, site, 0.5f);
   if (type == "retarder") return straight(bsdf, site, 1);
+  if (auto nearest = earlier(bsdf, site, depth)) return std::move(*nearest);
   return unsupported(bsdf);
 }
 
@@ -357,6 +358,10 @@ Surface MaterialConverter::blend(const Plugin& bsdf, const TextureSite& site, in
   model.first = part(parts[0], site, depth + 1);
   model.second = part(parts[1], site, depth + 1);
   model.weight = in_unit(bsdf, "weight", weight);
+  return blended(bsdf, model);
+}
+
+Surface MaterialConverter::blended(const Plugin& bsdf, const Blend& model) {
   Surface result = one_sided(bsdf, model);
   for (const std::uint32_t index : {model.first, model.second})
     if (conversion_.builder.material(index).two_sided) result.material.two_sided = true;

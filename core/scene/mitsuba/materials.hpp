@@ -22,6 +22,10 @@ struct Surface {
   bool is_reversed = false;
 };
 
+// A surface of the model that is black on its back, and one whose sides are alike.
+Surface one_sided(const Plugin& bsdf, MaterialModel model);
+Surface open(const Plugin& bsdf, MaterialModel model);
+
 // What a shape needs of its material. The site's attributes must live as long as the converter.
 struct MaterialUse {
   std::optional<Plugin> bsdf{}, emitter{};
@@ -66,8 +70,18 @@ class MaterialConverter {
   Surface straight(const Plugin& bsdf, const TextureSite& site, float share);
   Surface hair(const Plugin& bsdf, const TextureSite& site);
   Surface unsupported(const Plugin& bsdf);
+  // The nearest for a BSDF of Mitsuba 0.x, with a warning; nullopt for other types.
+  std::optional<Surface> earlier(const Plugin& bsdf, const TextureSite& site, int depth);
+  Surface rough_diffuse(const Plugin& bsdf, const TextureSite& site);
+  Surface phong(const Plugin& bsdf, const TextureSite& site);
+  Surface ward(const Plugin& bsdf, const TextureSite& site);
+  Surface diffuse_transmission(const Plugin& bsdf, const TextureSite& site);
+  Surface coating(const Plugin& bsdf, const TextureSite& site, int depth, bool is_rough);
+  Surface mixture(const Plugin& bsdf, const TextureSite& site, int depth);
   // The BSDF inside of another; a gray diffuse one if it is missing.
   Surface inner(const Plugin& bsdf, const TextureSite& site, int depth);
+  // The surface of a blend of two of the scene's materials.
+  Surface blended(const Plugin& bsdf, const Blend& model);
   // The scene's material of a part of a blend; `is_back` lights its back as its front.
   std::uint32_t part(const Plugin& bsdf, const TextureSite& site, int depth, bool is_back = false);
 
