@@ -425,7 +425,8 @@ Surface MaterialConverter::bump_map(const Plugin& bsdf, const TextureSite& site,
     bsdf.warn("lacks a texture; it is left out");
   } else {
     if (result.material.bump.texture >= 0) bsdf.warn("replaces the bump map inside of it");
-    result.material.bump = {textures_.height_map(*map, site), scale};
+    result.material.bump = textures_.bump_map(*map, site);
+    result.material.bump.height *= scale;
   }
   return result;
 }

@@ -131,15 +131,17 @@ int TextureConverter::normal_map(const Plugin& plugin, const TextureSite& site) 
     plugin.warn("is no image; the normal map is left out");
     return -1;
   }
+  if (normals.factor != Rgb::gray(1)) plugin.warn("its factor has no effect on a normal map");
   Texture& map = *normals.texture;
   map.image = with_signs(map.image, map.scale.x < 0, map.scale.y < 0);
   return conversion_.builder.add_texture(map);
 }
 
-int TextureConverter::height_map(const Plugin& plugin, const TextureSite& site) {
+BumpMap TextureConverter::bump_map(const Plugin& plugin, const TextureSite& site) {
   Value heights = texture(plugin, site);
-  if (!heights.texture) return -1;
-  return conversion_.builder.add_texture(mapped(*heights.texture, TexelMap::kLuminance));
+  if (!heights.texture) return {};
+  return {conversion_.builder.add_texture(mapped(*heights.texture, TexelMap::kLuminance)),
+          as_number(heights.factor)};
 }
 
 namespace {
@@ -214,6 +216,7 @@ TextureConverter::Value TextureConverter::convert(const Plugin& plugin, const Te
     return constant.value_or(Value{});
   }
   if (type == "volume") return volume(plugin, site);
+  if (type == "scale") return scaled(plugin, site);
   if (type == "d65") {
     auto constant = value(plugin, "color", site).value_or(Value{});
     constant.factor *= plugin.real("scale", 1);
@@ -230,6 +233,24 @@ TextureConverter::Value TextureConverter::convert(const Plugin& plugin, const Te
   }
   plugin.warn(fmt::format("this texture is not supported; the constant {} replaces it", kNoTexture));
   return {Rgb::gray(kNoTexture), {}, true};
+}
+
+// Of Mitsuba 0.x.
+TextureConverter::Value TextureConverter::scaled(const Plugin& plugin, const TextureSite& site) {
+  const auto inner = plugin.first_child(Kind::kTexture);
+  if (!inner) {
+    plugin.warn(fmt::format("lacks a texture inside of it; the constant {} replaces it", kNoTexture));
+    plugin.ignore_all();
+    return {Rgb::gray(kNoTexture), {}, true};
+  }
+  Value result = texture(*inner, site);
+  const Property* factor = plugin.property(plugin.has("value") ? "value" : "scale");
+  if (factor == nullptr) return result;
+  if (const auto constant = constant_color(*factor))
+    result.factor *= *constant;
+  else
+    plugin.warn("its factor is no number or colour; 1 replaces it");
+  return result;
 }
 
 TextureConverter::Value TextureConverter::volume(const Plugin& plugin, const TextureSite& site) {

@@ -61,8 +61,8 @@ class TextureConverter {
   // The texture of a normal map whose green tilts normals along the normal x the tangent of u, as in Mitsuba.
   // -1 if it is no image.
   int normal_map(const Plugin& texture, const TextureSite& site);
-  // The texture of a bump map, or -1.
-  int height_map(const Plugin& texture, const TextureSite& site);
+  // A bump map of the texture's heights; none if they are constant.
+  BumpMap bump_map(const Plugin& texture, const TextureSite& site);
   // The image of an environment, with rows between the poles instead of from pole to pole.
   std::optional<Texture> environment_image(const Plugin& emitter);
 
@@ -81,6 +81,7 @@ class TextureConverter {
   // Each texture is converted once for a site: textures can be parts of others.
   Value texture(const Plugin& plugin, const TextureSite& site);
   Value convert(const Plugin& plugin, const TextureSite& site);
+  Value scaled(const Plugin& plugin, const TextureSite& site);
   Value volume(const Plugin& plugin, const TextureSite& site);
   // Each grid is read once, for any site; nullopt after a warning.
   std::optional<Texture> grid(const Plugin& plugin);

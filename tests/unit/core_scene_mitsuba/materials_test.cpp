@@ -431,10 +431,36 @@ TEST(MitsubaTexture, OfReflectancesIsClampedTo1) {
   EXPECT_EQ(warnings_of(lamp), "");
 }
 
+TEST(MitsubaTexture, ScaleMultipliesTheOneInsideOfIt) {
+  const std::string image =
+      "<texture type='bitmap'><string name='filename' value='half.png'/></texture></texture>";
+  const MemoryAssets::Files files{{"half.png", half_white()}};
+  const SceneDescription colored = textured("type='rectangle'>",
+                                            "<texture name='reflectance' type='scale'><rgb name='scale' "
+                                            "value='0.5, 0.25, 1'/>" +
+                                                image,
+                                            files);
+  EXPECT_EQ(looked_up(colored, {0.5f, 0.75f}), (Rgb{0.5f, 0.25f, 1}));
+  EXPECT_EQ(warnings_of(colored), "");
+  const SceneDescription bumpy = scene_of(
+      "<shape type='rectangle'><bsdf type='bumpmap'><float name='scale' value='0.5'/><boolean "
+      "name='use_shadowing_function' value='false'/><texture type='scale'><float name='scale' value='4'/>" +
+          image + "<bsdf type='diffuse'/></bsdf></shape>",
+      files);
+  EXPECT_EQ(bumpy.materials.at(0).bump.height, 2);
+  EXPECT_EQ(warnings_of(bumpy), "");
+  const SceneDescription rough = scene_of(
+      "<shape type='rectangle'><bsdf type='roughconductor'><texture name='alpha' type='scale'><float "
+      "name='scale' value='0.25'/>" +
+          image + "</bsdf></shape>",
+      files);
+  EXPECT_EQ(std::get<ConductorMaterial>(rough.materials.at(0).model).roughness.value, 0.5f);
+}
+
 TEST(MitsubaTexture, InsideOfAnUnknownOneReplacesIt) {
   const SceneDescription scene = textured(
       "type='rectangle'>",
-      "<texture name='reflectance' type='scale'><float name='scale' value='2'/><texture type='bitmap'>"
+      "<texture name='reflectance' type='blur'><float name='width' value='2'/><texture type='bitmap'>"
       "<string name='filename' value='half.png'/></texture></texture>",
       {{"half.png", half_white()}});
   EXPECT_EQ(scene.textures.size(), 1u);
