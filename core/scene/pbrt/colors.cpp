@@ -10,6 +10,7 @@
 
 #include "core/scene/loader/wording.hpp"
 #include "core/scene/pbrt/files.hpp"
+#include "core/spectra/color_space.hpp"
 #include "core/spectra/spectrum_color.hpp"
 
 namespace tessera::core::pbrt {
@@ -96,6 +97,20 @@ Rgb color_of_samples(const std::vector<spectra::SpectralSample>& samples, Spectr
   return role == SpectrumRole::kAlbedo ? clamped(factor) : factor;
 }
 
+std::optional<Rgb> from_rgb(const Parameter& parameter, SpectrumRole role) {
+  const std::vector<float>& v = parameter.floats;
+  if (v.size() == 1) return Rgb::gray(v[0]);
+  if (v.size() < 3) return std::nullopt;
+  if (parameter.type == "xyz")
+    return spectra::to_linear_rec709(
+        {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])});
+  const Rgb rgb{v[0], v[1], v[2]};
+  // Indices and coefficients are no colours: their channels stay as they are.
+  const bool is_rec709 = parameter.color_space == "srgb" || role == SpectrumRole::kUnbounded;
+  const auto to_rec709 = is_rec709 ? std::nullopt : spectra::to_rec709(parameter.color_space);
+  return to_rec709 ? (*to_rec709)(rgb) : rgb;
+}
+
 // Wavelengths and values in turn; '#' begins a comment.
 std::vector<spectra::SpectralSample> parse_samples(std::string_view text) {
   std::vector<spectra::SpectralSample> samples;
@@ -113,14 +128,6 @@ std::vector<spectra::SpectralSample> parse_samples(std::string_view text) {
 }
 
 }  // namespace
-
-bool Colors::set_space(const std::string& name) {
-  const auto matrix = spectra::to_rec709(name);
-  if (!matrix) return false;
-  to_rec709_ = *matrix;
-  space_ = name;
-  return true;
-}
 
 Rgb Colors::color(const Parameters& owner, std::string_view name, SpectrumRole role, Rgb otherwise) {
   const Parameter* parameter = owner.find(name);
@@ -157,18 +164,6 @@ Rgb Colors::color(const Parameters& owner, const Parameter& parameter, SpectrumR
   report_.warn(owner.place_of(&parameter), "color",
                fmt::format("the colour {} is not understood; {} is used", in_quotes(parameter.name), gray));
   return Rgb::gray(gray);
-}
-
-std::optional<Rgb> Colors::from_rgb(const Parameter& parameter, SpectrumRole role) const {
-  const std::vector<float>& v = parameter.floats;
-  if (v.size() == 1) return Rgb::gray(v[0]);
-  if (v.size() < 3) return std::nullopt;
-  if (parameter.type == "xyz")
-    return spectra::to_linear_rec709(
-        {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])});
-  const Rgb rgb{v[0], v[1], v[2]};
-  // Indices and coefficients are no colours: their channels stay as they are.
-  return space_ == "srgb" || role == SpectrumRole::kUnbounded ? rgb : to_rec709_(rgb);
 }
 
 std::optional<Rgb> Colors::from_spectrum(const Parameters& owner, const Parameter& parameter,

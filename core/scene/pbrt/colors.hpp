@@ -13,7 +13,6 @@
 #include "core/materials/dispersion.hpp"
 #include "core/scene/pbrt/report.hpp"
 #include "core/spectra/color_matching.hpp"
-#include "core/spectra/color_space.hpp"
 
 namespace tessera::core::pbrt {
 
@@ -34,10 +33,6 @@ class Colors {
   // The arguments must outlive this object.
   Colors(SceneBuilder& builder, const Report& report) : builder_(builder), report_(report) {}
 
-  // The colour space of RGB values that follow: "srgb", "rec2020", "dci-p3", "aces2065-1". False if unknown.
-  bool set_space(const std::string& name);
-  const std::string& space() const { return space_; }
-
   // The parameter as a colour. A value that cannot be converted is a gray of 0.5, or 1 for an illuminant,
   // with a warning.
   Rgb color(const Parameters& owner, const Parameter& parameter, SpectrumRole role);
@@ -51,7 +46,6 @@ class Colors {
  private:
   using Samples = std::vector<spectra::SpectralSample>;
 
-  std::optional<Rgb> from_rgb(const Parameter& parameter, SpectrumRole role) const;
   std::optional<Rgb> from_spectrum(const Parameters& owner, const Parameter& parameter, SpectrumRole role);
   std::optional<Rgb> from_name(const std::string& name, SpectrumRole role) const;
   // The samples in the parameter or in the file that it names; nullptr if there are none.
@@ -60,8 +54,6 @@ class Colors {
 
   SceneBuilder& builder_;
   const Report& report_;
-  std::string space_ = "srgb";
-  spectra::ColorMatrix to_rec709_{};
   std::map<std::string, Samples> files_;  // by name; empty if the file cannot be used
   Samples inline_;                        // of the latest parameter
 };

@@ -13,6 +13,7 @@
 #include "core/scene/loader/gunzip.hpp"
 #include "core/scene/loader/wording.hpp"
 #include "core/scene/pbrt/files.hpp"
+#include "core/spectra/color_space.hpp"
 
 namespace tessera::core::pbrt {
 namespace {
@@ -187,7 +188,6 @@ Status Interpreter::import_file(File& file) {
   object_ = object;
   outer_files_ -= file.tokens.depth();
   state_ = before;
-  colors_.set_space(state_.color_space);
   return {};
 }
 
@@ -227,7 +227,7 @@ Result<std::vector<float>> Interpreter::numbers(File& file, std::size_t count) {
 }
 
 Result<Parameters> Interpreter::parameters(File& file) {
-  auto parsed = parse_parameters(file.tokens, place(file));
+  auto parsed = parse_parameters(file.tokens, place(file), state_.color_space);
   if (!parsed) return at(file, parsed.error());
   return parsed;
 }
@@ -333,11 +333,11 @@ Status Interpreter::option(File& file) {
 Status Interpreter::color_space(File& file) {
   const auto name = text(file);
   if (!name) return fail(name.error());
-  if (colors_.set_space(*name)) {
+  if (spectra::to_rec709(*name)) {
     state_.color_space = *name;
   } else {
     report_.warn(place(file), fmt::format("the colour space {} is not known; {} remains", in_quotes(*name),
-                                          in_quotes(colors_.space())));
+                                          in_quotes(state_.color_space)));
   }
   return {};
 }
@@ -385,7 +385,6 @@ Status Interpreter::pop_state(const File& file, bool is_attribute) {
   GraphicsState& saved = saved_.back().state;
   if (is_attribute) {
     state_ = std::move(saved);
-    colors_.set_space(state_.color_space);
   } else {
     state_.transform = saved.transform;
     state_.is_start_active = saved.is_start_active;

@@ -343,7 +343,7 @@ std::vector<const Parameter*> Parameters::unused() const {
   return result;
 }
 
-Result<Parameters> parse_parameters(TokenStream& tokens, Place place) {
+Result<Parameters> parse_parameters(TokenStream& tokens, Place place, const std::string& color_space) {
   Parameters parameters(std::move(place));
   while (true) {
     const auto token = tokens.peek();
@@ -352,6 +352,7 @@ Result<Parameters> parse_parameters(TokenStream& tokens, Place place) {
     if (auto taken = tokens.next(); !taken) return fail(taken.error());
     auto parameter = parse_parameter(tokens, *token);
     if (!parameter) return fail(parameter.error());
+    parameter->color_space = color_space;
     parameters.add(std::move(*parameter));
   }
 }

@@ -20,7 +20,8 @@ namespace tessera::core::pbrt {
 struct Parameter {
   std::string type, name;
   Place place{};
-  std::vector<float> floats{};  // of all numeric types but integers
+  std::string color_space = "srgb";  // of RGB values: that of the place
+  std::vector<float> floats{};       // of all numeric types but integers
   std::vector<std::int32_t> integers{};
   std::vector<std::string> strings{};  // also names of textures and spectra
   std::vector<std::string> written{};  // the same with their escapes, for names of files
@@ -111,7 +112,7 @@ class Parameters {
 
 // Reads parameters up to the first token that is not the declaration of one: "type name" and a value, or
 // several in brackets. Errors do not name the place, which is that of `tokens`.
-Result<Parameters> parse_parameters(TokenStream& tokens, Place place);
+Result<Parameters> parse_parameters(TokenStream& tokens, Place place, const std::string& color_space);
 
 // A number of a scene file, such as "-1.5e3" or "+.5"; nullopt if it is not one. Infinite ones are the
 // largest finite number; what programs write for a number that is none, such as "-nan(ind)", is NaN.

@@ -68,6 +68,27 @@ TEST(PbrtColors, ColorSpacesEndWithTheirAttributes) {
   EXPECT_EQ(albedo(1), (Rgb{0.2f, 0.5f, 0.2f}));
 }
 
+// Also of what is made later: attributes, parts of mixtures, and lights of shapes.
+TEST(PbrtColors, ColorSpacesAreThoseOfTheParameter) {
+  const std::string color = " [0.2 0.5 0.2]\n", two = "\nColorSpace \"rec2020\"\n";
+  const auto albedo = [](const std::string& directives) {
+    const SceneDescription scene = pbrt_world(directives + kPbrtTriangle);
+    return std::get<Lambert>(scene.materials.at(0).model).albedo.value;
+  };
+  const std::string attribute = "Attribute \"material\" \"rgb reflectance\"" + color;
+  EXPECT_EQ(albedo(attribute + two + "Material \"diffuse\"\n"), (Rgb{0.2f, 0.5f, 0.2f}));
+  expect_color(albedo(two + attribute + "ColorSpace \"srgb\" Material \"diffuse\"\n"),
+               {0.0237f, 0.5399f, 0.1698f}, 0.001f);
+  const std::string light = "AreaLightSource \"diffuse\" \"rgb L\"" + color;
+  const SceneDescription lamp = pbrt_world(light + two + kPbrtTriangle);
+  EXPECT_EQ(lamp.materials.at(0).emission.value, (Rgb{0.2f, 0.5f, 0.2f}));
+  const SceneDescription mixed = pbrt_world(
+      "MakeNamedMaterial \"m\" \"string type\" \"mix\" \"string materials\" [\"a\" \"a\"]\n"
+      "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\"" +
+      color + two + "NamedMaterial \"m\"\n" + kPbrtTriangle);
+  EXPECT_EQ(std::get<Lambert>(mixed.materials.at(0).model).albedo.value, (Rgb{0.2f, 0.5f, 0.2f}));
+}
+
 TEST(PbrtColors, WhatIsNotUnderstoodIsTold) {
   EXPECT_THAT(
       warnings_of(pbrt_world("Material \"diffuse\" \"spectrum reflectance\" \"gone\"\n" + kPbrtTriangle)),
