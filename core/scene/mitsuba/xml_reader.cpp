@@ -371,6 +371,11 @@ Result<Attributes> GraphReader::attributes_of(const Source& source, pugi::xml_no
     }
     const Location where = location(source, xml);
     if (value.error().empty()) return error_at(where, "a value is too long with its parameters");
+    if (value.error() == "$")
+      return error_at(where,
+                      fmt::format("{} has a '$' without the name of a parameter; write '$name', without "
+                                  "braces, or '\\$' for the sign itself",
+                                  in_quotes(attribute.value())));
     return error_at(where,
                     fmt::format("the parameter {} is not defined; give it a <default>, or a value with "
                                 "-D {}=VALUE",

@@ -26,6 +26,10 @@ TEST(MitsubaXml, ParametersAreSubstituted) {
 TEST(MitsubaXml, UndefinedParametersAreErrors) {
   EXPECT_THAT(error_of("\n<integrator type=\"$kind\"/>"),
               HasSubstr("scene.xml:3: the parameter $kind is not defined"));
+  for (const std::string text : {"a ${r}", "a $", "a $-r"})
+    EXPECT_THAT(
+        error_of("\n<integrator type=\"" + text + "\"/>"),
+        HasSubstr("scene.xml:3: '" + text + "' has a '$' without the name of a parameter; write '$name'"));
 }
 
 TEST(MitsubaXml, ParametersDoNotGrowWithoutBound) {
