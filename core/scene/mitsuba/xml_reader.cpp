@@ -203,7 +203,7 @@ Result<NodeId> GraphReader::read_object(const Source& source, pugi::xml_node xml
   const auto id = static_cast<NodeId>(graph_.nodes.size());
   std::string type = in_lower_case(attributes.text("type"));
   if (type != attributes.text("type"))
-    warn(where, "capital letters",
+    warn(where, "capital letters " + type,
          fmt::format("there is no type {}; {} is used", in_quotes(attributes.text("type")), in_quotes(type)));
   graph_.nodes.push_back({.kind = kind,
                           .type = std::move(type),
@@ -212,7 +212,7 @@ Result<NodeId> GraphReader::read_object(const Source& source, pugi::xml_node xml
                           .properties = {},
                           .in_emitter = kind == Kind::kEmitter || graph_.nodes[owner].in_emitter});
   if (const std::string name = graph_.nodes.back().id; !name.empty() && !ids_.try_emplace(name, id).second)
-    warn(where, "duplicate id",
+    warn(where, "duplicate id " + name,
          fmt::format("the id {} is there already; references mean the first one", in_quotes(name)));
   if (const Status done = read_children(source, xml, id, nesting + 1); !done) return fail(done.error());
   if (source.is_old) upgrade_node(graph_.nodes[id]);
@@ -242,7 +242,7 @@ bool GraphReader::read_statement(std::string_view tag, const Source& source, con
   } else if (tag == "alias") {
     const auto known = ids_.find(attributes.text("id"));
     if (known == ids_.end())
-      warn(where, "alias of nothing",
+      warn(where, "alias of nothing " + std::string(attributes.text("id")),
            fmt::format("there is no object {}; the alias is left out", in_quotes(attributes.text("id"))));
     else
       ids_.try_emplace(std::string(attributes.text("as")), known->second);
@@ -320,7 +320,7 @@ std::optional<Property::Value> GraphReader::read_spectrum(const Attributes& attr
   const auto text =
       path ? builder_.read(*path) : fail(ErrorCode::kNotFound, in_quotes(file) + " does not exist");
   if (text) return color_of(parse_sample_file(*text));
-  warn(where, "spectrum file", text.error().message);
+  warn(where, "spectrum file " + file, text.error().message);
   return std::nullopt;
 }
 
@@ -410,7 +410,7 @@ Status GraphReader::resolve_references() {
       continue;
     }
     warn(
-        property.where, "reference to nothing",
+        property.where, "reference to nothing " + reference.id,
         fmt::format("there is no object with the id {}; the reference is left out", in_quotes(reference.id)));
     property.value = false;
     property.used = true;

@@ -161,7 +161,7 @@ Rgb Colors::color(const Parameters& owner, const Parameter& parameter, SpectrumR
     return usable;
   }
   const float gray = role == SpectrumRole::kIlluminant ? 1 : 0.5f;
-  report_.warn(owner.place_of(&parameter), "color",
+  report_.warn(owner.place_of(&parameter), "color " + parameter.name,
                fmt::format("the colour {} is not understood; {} is used", in_quotes(parameter.name), gray));
   return Rgb::gray(gray);
 }
@@ -203,7 +203,7 @@ const Colors::Samples* Colors::samples_of_file(const Place& place, const std::st
     Samples read;
     const auto path = find_file(builder_, place, name);
     if (!path) {
-      report_.warn(place, "spectrum file",
+      report_.warn(place, "spectrum " + name,
                    fmt::format("there is no spectrum {}, nor a file of that name", in_quotes(name)));
     } else if (const auto text = builder_.read(*path)) {
       read = parse_samples(*text);

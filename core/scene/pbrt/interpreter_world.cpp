@@ -180,7 +180,7 @@ Status Interpreter::object_instance(File& file) {
   if (object_) {
     report_.warn(place(file), "an instance inside of an object is not supported, as in pbrt; it is left out");
   } else if (object == objects_.end()) {
-    report_.warn(place(file), "unknown object",
+    report_.warn(place(file), "unknown object " + *name,
                  fmt::format("there is no object {}; it is left out", in_quotes(*name)));
   } else {
     auto motion = motion_here(place(file));

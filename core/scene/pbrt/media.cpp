@@ -64,7 +64,7 @@ int Media::find(const std::string& name, const Place& place) const {
   if (name.empty()) return kNoMedium;
   const auto known = names_.find(name);
   if (known != names_.end()) return known->second;
-  report_.warn(place, "unknown medium",
+  report_.warn(place, "unknown medium " + name,
                fmt::format("there is no medium {}; vacuum is used", in_quotes(name)));
   return kNoMedium;
 }
@@ -76,7 +76,7 @@ void Media::read_common(const Parameters& p, MediumDescription& medium) {
   const MeasuredMedium* measured = find_measured_medium(preset);
   if (!preset.empty() && measured == nullptr)
     report_.warn(
-        p.place(), "medium preset",
+        p.place(), "medium preset " + preset,
         fmt::format("the medium {} is not known; its sigma_a and sigma_s are used", in_quotes(preset)));
   const Rgb one = Rgb::gray(1);
   medium.sigma_a = coefficients(colors_.color(p, "sigma_a", SpectrumRole::kUnbounded, one));

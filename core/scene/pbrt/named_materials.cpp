@@ -57,7 +57,7 @@ Status Materials::finish() {
     Slot& missing = slots_[i];
     if (missing.state != State::kMissing) continue;
     for (const Place& place : missing.uses)
-      report_.warn(place, "unknown material",
+      report_.warn(place, "unknown material " + missing.material.name,
                    fmt::format("there is no material {}; gray is used", in_quotes(missing.material.name)));
     missing.state = State::kAlias;
     missing.alias_of = gray;

@@ -72,7 +72,7 @@ std::pair<Rgb, Rgb> Materials::scattering_below(const Parameters& p) {
     if (p.has(ignored)) p.remark(ignored, "is ignored, because there is a \"name\"");
   const MeasuredMedium* named = find_measured_medium(name);
   if (named == nullptr)
-    report_.warn(p.place(), "medium of subsurface",
+    report_.warn(p.place(), "medium of subsurface " + name,
                  fmt::format("the medium {} is not known; that of whole milk is used", in_quotes(name)));
   const MeasuredMedium& medium = named == nullptr ? milk : *named;
   return {medium.sigma_a, medium.sigma_s};

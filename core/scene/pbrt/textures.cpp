@@ -118,7 +118,7 @@ Status Textures::define(const std::string& name, const std::string& type, const 
   auto& textures = is_number ? numbers_ : spectra_;
   if (!textures.insert_or_assign(name, *texture).second)
     report_.warn(
-        p.place(), "another texture",
+        p.place(), "another texture " + name,
         fmt::format("the texture {} exists already; this one replaces it from here on", in_quotes(name)));
   return {};
 }

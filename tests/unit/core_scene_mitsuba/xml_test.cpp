@@ -103,6 +103,14 @@ TEST(MitsubaXml, ReferencesToNothingAreLeftOut) {
   EXPECT_THAT(warnings_of(scene), HasSubstr("scene.xml:2: there is no object with the id 'gone'"));
 }
 
+TEST(MitsubaXml, EachObjectThatIsNotThereIsNamed) {
+  const std::string told = warnings_of(
+      scene_of("<shape type='sphere'><ref id='a'/></shape><shape type='sphere'><ref id='b'/></shape>"
+               "<alias id='c' as='d'/><alias id='e' as='f'/>"));
+  for (const char* each : {"id 'a';", "id 'b';", "no object 'c';", "no object 'e';"})
+    EXPECT_THAT(told, HasSubstr(each));
+}
+
 TEST(MitsubaXml, CirclesOfReferencesAreErrors) {
   EXPECT_THAT(error_of("<bsdf type=\"twosided\" id=\"a\"><ref id=\"b\"/></bsdf>\n"
                        "<bsdf type=\"twosided\" id=\"b\"><ref id=\"a\"/></bsdf>"),

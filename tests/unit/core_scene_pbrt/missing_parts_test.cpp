@@ -41,6 +41,25 @@ TEST(PbrtMissingParts, EndsOfDirectivesInImportedFiles) {
   EXPECT_EQ(scene.shapes.size(), 1u);
 }
 
+// Uses of the same one are counted.
+TEST(PbrtMissingParts, EachOneIsNamed) {
+  EXPECT_EQ(told_of("NamedMaterial \"a\" Shape \"sphere\"\nNamedMaterial \"b\" Shape \"sphere\"\n"
+                    "NamedMaterial \"a\" Shape \"sphere\" Material \"diffuse\""),
+            "scene.pbrt:2: there is no material 'a'; gray is used (2 times)\n"
+            "scene.pbrt:3: there is no material 'b'; gray is used\n");
+  EXPECT_EQ(told_of("ObjectInstance \"o\"\nObjectInstance \"p\""),
+            "scene.pbrt:2: there is no object 'o'; it is left out\n"
+            "scene.pbrt:3: there is no object 'p'; it is left out\n");
+  EXPECT_EQ(told_of("MediumInterface \"fog\" \"air\""),
+            "scene.pbrt:3: there is no medium 'fog'; vacuum is used\n"
+            "scene.pbrt:3: there is no medium 'air'; vacuum is used\n");
+  const std::string told =
+      told_of("Material \"conductor\" \"spectrum eta\" \"a.spd\" \"spectrum k\" \"b.spd\"");
+  for (const char* each : {"there is no spectrum 'a.spd'", "there is no spectrum 'b.spd'",
+                           "the colour 'eta' is not understood", "the colour 'k' is not understood"})
+    EXPECT_THAT(told, HasSubstr(each));
+}
+
 // Gray would be half transparent.
 TEST(PbrtMissingParts, AlphaThatCannotBeReadIsOpaque) {
   const auto opacity_of = [](const SceneDescription& scene) {
