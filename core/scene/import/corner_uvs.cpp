@@ -4,6 +4,7 @@
 #include <cstdint>
 
 namespace tessera::core {
+
 void give_corner_uvs(MeshDescription& mesh, const CornerUvs& uvs) {
   give_to_corners(mesh.positions, mesh);
   give_to_corners(mesh.normals, mesh);
