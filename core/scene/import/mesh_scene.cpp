@@ -56,11 +56,12 @@ Result<MeshDescription> read_indexed_mesh(SceneBuilder& builder, ObjMaterials& m
   auto file = format == SceneFormat::kStl ? read_stl(*bytes, name, limit) : read_ply(*bytes, name, limit);
   if (!file) return fail(file.error());
   *bytes = std::string();  // frees it
-  FileWarnings& warnings = builder.warnings().of(name);
-  warnings = file->warnings;
-  file->mesh.triangle_materials = {materials.default_material(!file->mesh.colors.empty())};
+  builder.warnings().of(name) = file->warnings;
+  auto of_images = materials.of_images(builder.scene_path(), *file, std::nullopt);
+  if (!of_images) return fail(of_images.error().within(name));
+  file->mesh.triangle_materials = std::move(*of_images);
   return named(name, build_indexed_mesh(std::move(file->mesh), NormalsMode::kFile, Transform(),
-                                        VertexColors::kUse, warnings));
+                                        VertexColors::kUse, builder.warnings().of(name)));
 }
 
 }  // namespace

@@ -281,14 +281,17 @@ Result<MeshDescription> SceneAssembler::load_deforming_mesh(const MeshEntry& ent
 Result<MeshDescription> SceneAssembler::load_indexed_mesh(const MeshEntry& entry, SceneFormat format) {
   auto file = read_mesh_file(entry.file, format);
   if (!file) return fail(file.error());
-  auto materials = materials_of(entry, file->mesh);
+  tell_coarse_coordinates(file->mesh, file->warnings);
+  const bool is_known = warnings_.knows(entry.file);
+  if (!is_known) warnings_.of(entry.file) = file->warnings;
+  if (entry.colors == VertexColors::kIgnore) file->mesh.colors = {};
+  const bool has_own = entry.material || !entry.materials.empty();
+  auto materials = has_own ? materials_of(entry, file->mesh)
+                           : obj_materials_.of_images(entry.file, *file, entry.default_material);
   if (!materials) return fail(materials.error());
   file->mesh.triangle_materials = std::move(*materials);
-  const bool is_known = warnings_.knows(entry.file);
-  tell_coarse_coordinates(file->mesh, file->warnings);
-  auto mesh =
-      build_indexed_mesh(std::move(file->mesh), entry.normals, entry.transform, entry.colors, file->warnings);
-  if (!is_known) warnings_.of(entry.file) = std::move(file->warnings);
+  auto mesh = build_indexed_mesh(std::move(file->mesh), entry.normals, entry.transform, entry.colors,
+                                 is_known ? file->warnings : warnings_.of(entry.file));
   if (!mesh)
     return fail(mesh.error().code, fmt::format("{} {}", in_quotes(entry.file), mesh.error().message));
   return mesh;

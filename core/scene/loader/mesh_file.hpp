@@ -29,6 +29,10 @@ struct MeshFile {
   // finite. triangle_materials has one value for each triangle, the file's "material_index", or a single 0.
   MeshDescription mesh;
   std::vector<MeshAttribute> attributes;
+  // Images of the base colour, as the file names them, and the number of that of each triangle, "texnumber";
+  // an empty list: the first.
+  std::vector<std::string> images;
+  std::vector<std::uint32_t> triangle_images;
   FileWarnings warnings;
 };
 
@@ -37,9 +41,11 @@ enum class MeshAttributes { kIgnore, kKeep };
 // Reads faces of any number of corners, and triangle strips. Polygons are triangulated. Normals are nx, ny,
 // nz; tangents tx, ty, tz, with the handedness tw or 1; texture coordinates u, v or s, t, also with the
 // prefix "texture_"; the second ones u1, v1; colours red, green, blue or r, g, b, also with the prefix
-// "diffuse_", where integers are sRGB and floats linear. Errors are "NAME: what", where `name` is the file's
-// name in messages: INVALID_ARGUMENT for a broken file or one without faces, RESOURCE_EXHAUSTED beyond the
-// limit. kKeep returns the other properties that are single numbers.
+// "diffuse_", where integers are sRGB and floats linear. Images are those of "comment TextureFile";
+// "texcoord" are the texture coordinates of the corners of faces. Errors are "NAME: what", where `name` is
+// the file's name in messages: INVALID_ARGUMENT for a broken file or one without faces, RESOURCE_EXHAUSTED
+// beyond the limit. kKeep returns the other properties that are single numbers, and neither images nor
+// "texcoord".
 Result<MeshFile> read_ply(std::string_view bytes, const std::string& name, const SceneLimit& triangles = {},
                           MeshAttributes attributes = MeshAttributes::kIgnore);
 

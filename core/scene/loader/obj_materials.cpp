@@ -215,9 +215,9 @@ Result<ObjMaterials::Image> ObjMaterials::load(const MtlMaterial::Map& map,
   if (!path) {
     warn(library_, "missing image " + map->file, map->line, [&] {
       return fmt::format(
-          "{} does not exist, and neither does a file of this name beside the MTL file; the map "
+          "{} does not exist, and neither does a file of this name beside the {} file; the map "
           "is ignored",
-          in_quotes(map->file));
+          in_quotes(map->file), library_ == obj_ ? "PLY" : "MTL");
     });
     return nullptr;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the materials of meshes in the MTL files that their OBJ files name, adds the used ones to the scene
-// with their textures, and reports missing ones. Not thread-safe.
+// Finds the materials of meshes in the MTL files that their OBJ files name, and the images that PLY files
+// name, adds the used ones to the scene with their textures, and reports missing ones. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,7 @@
 #include "core/scene/description.hpp"
 #include "core/scene/loader/asset_cache.hpp"
 #include "core/scene/loader/file_warnings.hpp"
+#include "core/scene/loader/mesh_file.hpp"
 #include "core/scene/loader/mtl_material.hpp"
 #include "core/scene/tables/shape_tables.hpp"
 
@@ -34,6 +35,11 @@ class ObjMaterials {
   Result<std::vector<std::uint32_t>> of_runs(const std::string& path, const ObjFile& obj,
                                              std::optional<std::uint32_t> gaps,
                                              VertexColors colors = VertexColors::kUse);
+
+  // The scene's material for each triangle of a PLY file, or one for all: diffuse with its image, which
+  // replaces vertex colours. `gaps` is as above. Fails only if the scene exceeds the limits.
+  Result<std::vector<std::uint32_t>> of_images(const std::string& path, MeshFile& file,
+                                               std::optional<std::uint32_t> gaps);
 
   // Sets the height of bump maps of materials that `mesh` uses first, because MTL files define no unit for
   // it.
@@ -60,6 +66,9 @@ class ObjMaterials {
                        const std::string& expected, const std::string& found);
   void tell_gap(const ObjFile& obj, std::size_t run, const Names& names, std::string_view filler);
   Result<std::uint32_t> add_material(const Found& found);
+  // The material of the image that a PLY file calls `name`; nullopt if it cannot be used.
+  Result<std::optional<std::uint32_t>> add_image_material(const std::string& name);
+  Result<std::vector<std::optional<std::uint32_t>>> add_image_materials(const MeshFile& file);
   void tell_unused(const MtlMaterial& material, const Material& added);
   // The image of a map, or null if it has none that can be used.
   Result<Image> load(const MtlMaterial::Map& map, std::optional<ColorSpace> color_space = std::nullopt,

@@ -15,7 +15,7 @@
 namespace tessera::core {
 namespace {
 
-constexpr std::size_t kMaxElements = 64, kMaxProperties = 1024;
+constexpr std::size_t kMaxElements = 64, kMaxProperties = 1024, kMaxImages = 1024;
 
 constexpr std::array<std::pair<std::string_view, PlyType>, 16> kPlyTypes{{
     {"char", PlyType::kInt8},
@@ -53,6 +53,7 @@ class PlyHeaderReader {
   Status format(std::string_view rest);
   Status element(std::string_view rest);
   Status property(std::string_view rest);
+  void comment(std::string_view rest);
   tl::unexpected<Error> wrong(std::string_view what) const {
     return fail(ErrorCode::kInvalidArgument, fmt::format("is a broken PLY file (line {}: {})", line_, what));
   }
@@ -86,6 +87,7 @@ Status PlyHeaderReader::statement(std::string_view keyword, std::string_view res
   if (keyword == "format") return format(rest);
   if (keyword == "element") return element(rest);
   if (keyword == "property") return property(rest);
+  if (keyword == "comment") comment(rest);
   if (keyword == "comment" || keyword == "obj_info" || keyword.empty()) return {};
   return wrong(fmt::format("{} is not a statement of a header", in_quotes(keyword)));
 }
@@ -136,6 +138,14 @@ Status PlyHeaderReader::property(std::string_view rest) {
   if (properties.size() == kMaxProperties) return wrong("there are too many properties");
   properties.push_back(std::move(property));
   return {};
+}
+
+// MeshLab, Metashape and RealityCapture name images of the base colour in this way.
+void PlyHeaderReader::comment(std::string_view rest) {
+  const std::string_view keyword = take_word(rest);
+  const std::string_view name = without_quotes(trimmed(rest));
+  if (keyword == "TextureFile" && !name.empty() && header_.images.size() < kMaxImages)
+    header_.images.emplace_back(name);
 }
 
 }  // namespace

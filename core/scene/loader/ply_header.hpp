@@ -39,7 +39,8 @@ struct PlyElement {
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::kAscii;
   std::vector<PlyElement> elements;
-  std::size_t size = 0;  // of the header; the first element's rows follow
+  std::vector<std::string> images;  // of "comment TextureFile" lines, as written
+  std::size_t size = 0;             // of the header; the first element's rows follow
 };
 
 // Errors complete a sentence that begins with the file's name.

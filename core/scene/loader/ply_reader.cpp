@@ -11,6 +11,7 @@
 #include "core/scene/loader/gunzip.hpp"
 #include "core/scene/loader/mesh_file.hpp"
 #include "core/scene/loader/obj_reader.hpp"
+#include "core/scene/loader/ply_corner_uvs.hpp"
 #include "core/scene/loader/ply_header.hpp"
 #include "core/scene/loader/ply_values.hpp"
 #include "core/scene/loader/ply_vertex_property.hpp"
@@ -37,7 +38,9 @@ class PlyReader {
  public:
   PlyReader(const PlyHeader& header, std::string_view body, const SceneLimit& limit,
             MeshAttributes attributes)
-      : header_(header), values_(body, header.encoding), limit_(limit), attributes_(attributes) {}
+      : header_(header), values_(body, header.encoding), limit_(limit), attributes_(attributes) {
+    if (attributes == MeshAttributes::kIgnore) file_.images = header.images;
+  }
 
   Result<MeshFile> read();
 
@@ -58,11 +61,18 @@ class PlyReader {
   // `why()` describes the current face.
   template <typename Why>
   void leave_out(std::string_view kind, const Why& why);
+  // By the numbers of corners within the face.
+  Status add_face_triangle(const std::array<std::uint32_t, 3>& corners);
   Status add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
   void add_triangle_attributes(const PlyElement& element, std::size_t triangles_before);
   Status read_strips(const PlyElement& element);
   Status add_strip();
   void read_corners(const PlyProperty& property);
+  // The list of one number for each triangle that gets the values of a property of faces; null if none does.
+  std::vector<std::uint32_t>* numbers_of(const PlyProperty& property);
+  bool is_corner_uvs(const PlyProperty& property) const {
+    return attributes_ == MeshAttributes::kIgnore && PlyCornerUvs::is_list_of(property);
+  }
 
   void skip_rows(const PlyElement& element);
   void skip_property(const PlyProperty& property);
@@ -87,7 +97,8 @@ class PlyReader {
   const SceneLimit& limit_;
   MeshAttributes attributes_;
   MeshFile file_;
-  bool has_vertices_ = false, has_materials_ = false;
+  PlyCornerUvs corner_uvs_;
+  bool has_vertices_ = false, has_materials_ = false, has_image_numbers_ = false;
   bool has_wrong_count_ = false;  // a row has more corners than the file
   std::string first_left_out_;    // of the faces: which, and why
   // Faces that stand before the vertices, and where their rows begin.
@@ -117,6 +128,8 @@ Result<MeshFile> PlyReader::read() {
                     : fmt::format("has no face that can be used; the first: {}", first_left_out_));
   const std::size_t triangles = file_.mesh.triangles.size();
   file_.mesh.triangle_materials.resize(has_materials_ ? triangles : 1);
+  file_.triangle_images.resize(has_image_numbers_ ? triangles : 0);
+  corner_uvs_.apply(file_.mesh);
   for (MeshAttribute& attribute : file_.attributes)
     if (attribute.of_triangles) attribute.values.resize(triangles);
   return std::move(file_);
@@ -282,10 +295,11 @@ Status PlyReader::read_faces(const PlyElement& element) {
   row_.resize(element.properties.size());
   face_attributes_.clear();
   for (const PlyProperty& property : element.properties) {
-    const bool is_material = property.name == "material_index" && !property.is_list;
-    has_materials_ = has_materials_ || is_material;
-    face_attributes_.push_back(
-        is_material || is_index_list(property) ? std::nullopt : settle_attribute(element, property, true));
+    const auto* numbers = numbers_of(property);
+    has_materials_ = has_materials_ || numbers == &file_.mesh.triangle_materials;
+    has_image_numbers_ = has_image_numbers_ || numbers == &file_.triangle_images;
+    const bool is_known = numbers != nullptr || is_index_list(property) || is_corner_uvs(property);
+    face_attributes_.push_back(is_known ? std::nullopt : settle_attribute(element, property, true));
   }
   for (std::uint64_t row = 0; row < element.count && !values_.failed(); ++row) {
     const std::size_t before = file_.mesh.triangles.size();
@@ -298,11 +312,20 @@ Status PlyReader::read_faces(const PlyElement& element) {
   return {};
 }
 
+std::vector<std::uint32_t>* PlyReader::numbers_of(const PlyProperty& property) {
+  if (property.is_list) return nullptr;
+  if (property.name == "material_index") return &file_.mesh.triangle_materials;
+  return property.name == "texnumber" && !file_.images.empty() ? &file_.triangle_images : nullptr;
+}
+
 void PlyReader::read_face(const PlyElement& element) {
+  corner_uvs_.begin_face();
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
     const PlyProperty& property = element.properties[i];
     if (is_index_list(property))
       read_corners(property);
+    else if (is_corner_uvs(property))
+      corner_uvs_.read_face(property, values_);
     else if (property.is_list)
       skip_property(property);
     else
@@ -319,6 +342,14 @@ void PlyReader::leave_out(std::string_view kind, const Why& why) {
 }
 
 Status PlyReader::add_face() {
+  if (corner_uvs_.corner_count() > 0 && corner_uvs_.corner_count() < corners_.size())
+    warn(
+        "texcoord",
+        [&] {
+          return fmt::format("face {} has {} texture coordinates for {} corners; the others are 0 0",
+                             row_number_, corner_uvs_.corner_count(), corners_.size());
+        },
+        1, "faces");
   const std::size_t vertices = file_.mesh.positions.size();
   const auto missing =
       std::ranges::find_if(corners_, [&](std::uint32_t corner) { return corner >= vertices; });
@@ -331,7 +362,7 @@ Status PlyReader::add_face() {
   } else if (corners_.size() > 3) {
     return add_polygon();
   } else {
-    return add_triangle(corners_[0], corners_[1], corners_[2]);
+    return add_face_triangle({0, 1, 2});
   }
   return {};
 }
@@ -346,9 +377,15 @@ Status PlyReader::add_polygon() {
     });
     return {};
   }
-  for (const auto& [a, b, c] : polygon_)
-    if (auto added = add_triangle(corners_[a], corners_[b], corners_[c]); !added) return added;
+  for (const auto& triangle : polygon_)
+    if (auto added = add_face_triangle(triangle); !added) return added;
   return {};
+}
+
+Status PlyReader::add_face_triangle(const std::array<std::uint32_t, 3>& corners) {
+  const auto& [a, b, c] = corners;
+  corner_uvs_.add_triangle(file_.mesh.triangles.size(), corners);
+  return add_triangle(corners_[a], corners_[b], corners_[c]);
 }
 
 Status PlyReader::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -369,12 +406,11 @@ void PlyReader::add_triangle_attributes(const PlyElement& element, std::size_t t
       auto& values = file_.attributes[*face_attributes_[i]].values;
       values.resize(triangles_before);
       values.insert(values.end(), more, row_[i]);
-    } else if (element.properties[i].name == "material_index" && !element.properties[i].is_list) {
+    } else if (auto* numbers = numbers_of(element.properties[i])) {
       constexpr float kMaxIndex = 1 << 24;
       const float index = row_[i] >= 0 && row_[i] < kMaxIndex ? row_[i] : kMaxIndex;
-      auto& materials = file_.mesh.triangle_materials;
-      materials.resize(triangles_before);
-      materials.insert(materials.end(), more, static_cast<std::uint32_t>(index));
+      numbers->resize(triangles_before);
+      numbers->insert(numbers->end(), more, static_cast<std::uint32_t>(index));
     }
   }
 }

@@ -170,6 +170,25 @@ TEST(Ply, ReadsValuesOfFacesForEachOfTheirTriangles) {
   EXPECT_THAT(file.attributes[0].values, ElementsAre(0.5f, 0.5f, 1.5f));
 }
 
+TEST(Ply, ReadsTextureCoordinatesOfCorners) {
+  const std::string text =
+      "ply\nformat ascii 1.0\ncomment TextureFile a b.png\ncomment TextureFile c.png\nelement vertex 4\n"
+      "property float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
+      "property float nz\nelement face 2\nproperty list uchar int vertex_indices\n"
+      "property list uchar float texcoord\nproperty int texnumber\nend_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n"
+      "1 1 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2 6 0 0 1 0 1 1 1\n3 0 2 3 4 0 0 0.5 1 0\n";
+  const MeshFile file = ply(text);
+  EXPECT_THAT(file.images, ElementsAre("a b.png", "c.png"));
+  EXPECT_THAT(file.triangle_images, ElementsAre(1u, 0u));
+  EXPECT_THAT(file.mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{0, 4, 3}));
+  EXPECT_THAT(file.mesh.uvs, ElementsAre(Vec2{0, 0}, Vec2{1, 0}, Vec2{1, 1}, Vec2{0, 0}, Vec2{0.5f, 1}));
+  EXPECT_EQ(file.mesh.positions.at(4), file.mesh.positions[2]);
+  EXPECT_EQ(file.mesh.normals.size(), 5u);
+  EXPECT_THAT(file.warnings.messages("m.ply"),
+              ElementsAre("m.ply: face 2 has 2 texture coordinates for 3 corners; the others are 0 0"));
+  EXPECT_THAT(ply(text, MeshAttributes::kKeep).mesh.uvs, IsEmpty());
+}
+
 TEST(Ply, ReadsTriangleStrips) {
   const std::string text =
       "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"

@@ -81,6 +81,67 @@ TEST(BareMesh, GetsACameraThatSeesItAllAndAStudio) {
   }
 }
 
+// A quad of two triangles, with `comments` in its header. `uvs` are two further properties of vertices.
+std::string textured_ply(const std::string& comments,
+                         const std::string& uvs = "property float s\nproperty float t\n",
+                         const std::string& number = "", const std::string& first = "",
+                         const std::string& second = "") {
+  return "ply\nformat ascii 1.0\n" + comments +
+         "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n" + uvs +
+         "element face 2\nproperty list uchar int vertex_indices\n" + number +
+         "end_header\n0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n3 0 1 2 " + first + "\n3 0 2 3 " + second +
+         "\n";
+}
+
+SceneDescription textured(const std::string& ply, MemoryAssets::Files files = {}) {
+  files.emplace("m/scan.ply", ply);
+  files.emplace("m/a.png", test::png(test::one_color(2, 2, {1, 0, 0})));
+  files.emplace("m/b.png", test::png(test::one_color(2, 2, {0, 1, 0})));
+  MemoryAssets assets(files);
+  auto scene = load_scene(assets, "m/scan.ply", "m/scan.ply");
+  EXPECT_TRUE(scene) << scene.error().message;
+  return scene ? std::move(*scene) : SceneDescription();
+}
+
+// The mean of the image of the triangle's material, or of the whole mesh's.
+Rgb color_of(const SceneDescription& scene, std::size_t triangle) {
+  const auto& materials = std::get<MeshDescription>(scene.shapes.at(0)).triangle_materials;
+  const auto& albedo = std::get<Lambert>(scene.materials[materials.at(triangle)].model).albedo;
+  return albedo.texture < 0 ? albedo.value
+                            : scene.textures.at(static_cast<std::size_t>(albedo.texture)).image->mean();
+}
+
+TEST(BareMesh, OfAScannerHasItsImages) {
+  const SceneDescription one = textured(textured_ply("comment TextureFile a.png\n"));
+  EXPECT_EQ(color_of(one, 0), (Rgb{1, 0, 0}));
+  EXPECT_THAT(one.warnings, IsEmpty());
+  const std::string both = "comment TextureFile a.png\ncomment TextureFile C:\\scans\\b.png\n";
+  const SceneDescription two = textured(
+      textured_ply(both, "property float s\nproperty float t\n", "property int texnumber\n", "1", "0"));
+  EXPECT_EQ(color_of(two, 0), (Rgb{0, 1, 0}));
+  EXPECT_EQ(color_of(two, 1), (Rgb{1, 0, 0}));
+}
+
+TEST(BareMesh, TellsWhichImagesItDoesNotShow) {
+  const SceneDescription missing = textured(textured_ply("comment TextureFile gone.jpg\n"));
+  EXPECT_EQ(color_of(missing, 0), Rgb::gray(0.5f));
+  EXPECT_THAT(
+      missing.warnings,
+      ElementsAre("m/scan.ply: 'gone.jpg' does not exist, and neither does a file of this name beside "
+                  "the PLY file; the map is ignored"));
+  EXPECT_THAT(textured(textured_ply("comment TextureFile a.png\n", "property float q\nproperty float p\n"))
+                  .warnings.back(),
+              "m/scan.ply: has no texture coordinates for the image 'a.png'; it is ignored");
+  EXPECT_THAT(
+      textured(textured_ply("comment TextureFile a.png\ncomment TextureFile b.png\n")).warnings,
+      ElementsAre(
+          "m/scan.ply: names 2 images, and no 'texnumber' gives a face one of them; the first is used"));
+  EXPECT_THAT(textured(textured_ply("comment TextureFile a.png\n", "property float s\nproperty float t\n",
+                                    "property int texnumber\n", "-1", "0"))
+                  .warnings,
+              ElementsAre("m/scan.ply: 'texnumber' of a face names no image; the default material is used"));
+}
+
 TEST(BareMesh, OfAPrinterStandsUpright) {
   EXPECT_EQ(bare("t.stl", kTriangleStl).camera.up, (Vec3{0, 0, 1}));
   EXPECT_EQ(bare("roof.ply", roof_ply()).camera.up, (Vec3{0, 1, 0}));
