@@ -7,7 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "core/image/srgb.hpp"
 #include "core/scene/loader/gunzip.hpp"
 #include "core/scene/loader/mesh_file.hpp"
 #include "core/scene/loader/obj_reader.hpp"
@@ -51,7 +50,6 @@ class PlyReader {
   std::vector<PlyColumn> vertex_columns(const PlyElement& element);
   void read_columns(const std::vector<PlyColumn>& columns, std::size_t rows, std::size_t row_bytes);
   void read_row(const std::vector<PlyColumn>& columns, std::size_t row);
-  void settle_colors(const PlyElement& element);
 
   Status read_faces(const PlyElement& element);
   // The scalars of the row, and the corners of its face.
@@ -220,7 +218,7 @@ Status PlyReader::read_vertices(const PlyElement& element) {
   } else {
     for (std::size_t row = 0; row < element.count && !values_.failed(); ++row) read_row(columns, row);
   }
-  if (!mesh.colors.empty()) settle_colors(element);
+  decode_colors(element, mesh.colors);
   return {};
 }
 
@@ -253,17 +251,6 @@ void PlyReader::read_row(const std::vector<PlyColumn>& columns, std::size_t row)
     else
       skip_property(column.property);
   }
-}
-
-void PlyReader::settle_colors(const PlyElement& element) {
-  const auto found = std::ranges::find_if(element.properties, [](const PlyProperty& property) {
-    const PlyVertexProperty* known = ply_vertex_property(property);
-    return known != nullptr && known->data == PlyVertexData::kColor;
-  });
-  if (is_floating_point(found->type)) return;
-  const double most = size_of(found->type) == 1 ? 255 : size_of(found->type) == 2 ? 65535 : 4294967295.0;
-  const auto linear = [&](float code) { return srgb_decode(std::clamp(code / most, 0.0, 1.0)); };
-  for (Rgb& color : file_.mesh.colors) color = {linear(color.r), linear(color.g), linear(color.b)};
 }
 
 void PlyReader::skip_property(const PlyProperty& property) {

@@ -4,8 +4,12 @@
 #include <algorithm>
 #include <array>
 
+#include "core/image/srgb.hpp"
+
 namespace tessera::core {
 namespace {
+
+constexpr double kLargestByte = 255;
 
 constexpr StorePlyValue kSetX = [](MeshDescription& m, std::size_t i, float v) { m.positions[i].x = v; };
 constexpr StorePlyValue kSetY = [](MeshDescription& m, std::size_t i, float v) { m.positions[i].y = v; };
@@ -74,6 +78,11 @@ int components_of(PlyVertexData data) {
   return data == PlyVertexData::kUv || data == PlyVertexData::kSecondUv ? 2 : 3;
 }
 
+double largest_code(PlyType type) {
+  if (size_of(type) == 1) return kLargestByte;
+  return size_of(type) == 2 ? 65535 : 4294967295.0;
+}
+
 }  // namespace
 
 const PlyVertexProperty* ply_vertex_property(const PlyProperty& property) {
@@ -92,6 +101,19 @@ bool has_data(const PlyElement& element, PlyVertexData data) {
         }))
       return false;
   return true;
+}
+
+void decode_colors(const PlyElement& element, std::vector<Rgb>& colors) {
+  const auto found = std::ranges::find_if(element.properties, [](const PlyProperty& property) {
+    const PlyVertexProperty* known = ply_vertex_property(property);
+    return known != nullptr && known->data == PlyVertexData::kColor;
+  });
+  if (colors.empty() || is_floating_point(found->type)) return;
+  float largest = 0;
+  for (const Rgb color : colors) largest = std::max(largest, max_component(color));
+  const double most = largest > kLargestByte ? largest_code(found->type) : kLargestByte;
+  const auto linear = [most](float code) { return srgb_decode(std::clamp(code / most, 0.0, 1.0)); };
+  for (Rgb& color : colors) color = {linear(color.r), linear(color.g), linear(color.b)};
 }
 
 }  // namespace tessera::core

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <string_view>
+#include <vector>
 
 #include "core/scene/description.hpp"
 #include "core/scene/loader/ply_header.hpp"
@@ -29,5 +30,9 @@ const PlyVertexProperty* ply_vertex_property(const PlyProperty& property);
 // Whether the element has all components of the data. Second texture coordinates count beside first ones, and
 // handedness beside tangents.
 bool has_data(const PlyElement& element, PlyVertexData data);
+
+// Makes colours as written, of all vertices of the element, linear: integers are sRGB codes. Those of wide
+// integers range to 255 if none is larger.
+void decode_colors(const PlyElement& element, std::vector<Rgb>& colors);
 
 }  // namespace tessera::core

@@ -145,6 +145,18 @@ TEST(Ply, ReadsByteColorsAsSrgbAndFloatsAsLinear) {
   EXPECT_EQ(floats.mesh.colors.at(3), (Rgb{1, 0, 0.5f}));
 }
 
+TEST(Ply, ReadsBytesInWideIntegersAsBytes) {
+  for (const std::string type : {"int", "uint", "short", "ushort"}) {
+    const std::string properties =
+        "property " + type + " red\nproperty " + type + " green\nproperty " + type + " blue\n";
+    EXPECT_EQ(ply(quad_with(properties, "255 0 188")).mesh.colors.at(0),
+              (Rgb{1, 0, srgb_decode(std::uint8_t{188})}))
+        << type;
+  }
+  const std::string wide = "property ushort red\nproperty ushort green\nproperty ushort blue\n";
+  EXPECT_EQ(ply(quad_with(wide, "65535 0 255")).mesh.colors.at(0), (Rgb{1, 0, srgb_decode(255 / 65535.0)}));
+}
+
 TEST(Ply, IgnoresHalfOfAPair) {
   const MeshFile file = ply(quad_with("property float u\nproperty float nx\n", "0 0"));
   EXPECT_THAT(file.mesh.uvs, IsEmpty());
