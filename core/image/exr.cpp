@@ -204,9 +204,20 @@ bool matches(std::string_view bytes) {
   return bytes.starts_with("\x76\x2f\x31\x01");
 }
 
-Result<ImageSize> read_size(std::string_view bytes) {
-  const auto header = checked_exr_header(bytes);
+Result<ExrHeader> header_of_file(std::string_view bytes) {
+  const ExrStructure structure = exr_structure(bytes);
+  if (structure != ExrStructure::kFlat)
+    return unsupported_image(
+        structure == ExrStructure::kDeep ? "a deep OpenEXR image" : "an OpenEXR image of several parts",
+        "save it as one flat part");
+  auto header = checked_exr_header(bytes);
   if (!header) return broken_exr(header.error().message);
+  return header;
+}
+
+Result<ImageSize> read_size(std::string_view bytes) {
+  const auto header = header_of_file(bytes);
+  if (!header) return fail(header.error());
   return header->size;
 }
 
@@ -214,8 +225,8 @@ Result<ImageSize> read_size(std::string_view bytes) {
 template <typename Read>
 auto with_stream(std::string_view bytes, const Read& read)
     -> decltype(read(std::declval<StringReader&>(), std::declval<const ExrHeader&>())) {
-  const auto header = checked_exr_header(bytes);
-  if (!header) return broken_exr(header.error().message);
+  const auto header = header_of_file(bytes);
+  if (!header) return fail(header.error());
   try {
     StringReader stream(header->bytes, bytes);
     return read(stream, *header);

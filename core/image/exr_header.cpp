@@ -17,7 +17,7 @@ namespace tessera::core {
 namespace {
 
 constexpr std::size_t kMagicAndVersion = 8;
-constexpr std::uint32_t kDeepOrOfSeveralParts = 0x1800;
+constexpr std::uint32_t kDeep = 0x800, kOfSeveralParts = 0x1000;
 
 struct Attribute {
   std::string_view name, type;
@@ -131,12 +131,16 @@ Result<std::map<std::string, std::string>> exr_texts(std::string_view bytes) {
   }
 }
 
+ExrStructure exr_structure(std::string_view bytes) {
+  const std::uint32_t flags = bytes.size() < kMagicAndVersion ? 0 : number_at(bytes, 4);
+  if ((flags & kOfSeveralParts) != 0) return ExrStructure::kSeveralParts;
+  return (flags & kDeep) != 0 ? ExrStructure::kDeep : ExrStructure::kFlat;
+}
+
 Result<ExrHeader> checked_exr_header(std::string_view bytes) {
   const auto refuse = [](std::string what) { return fail(ErrorCode::kInvalidArgument, std::move(what)); };
   const auto too_early = [&] { return refuse("the file ends too early"); };
   if (bytes.size() < kMagicAndVersion) return too_early();
-  if ((number_at(bytes, 4) & kDeepOrOfSeveralParts) != 0)
-    return refuse("it is deep, or of several parts; save it as one flat part");
   std::string header(bytes.substr(0, kMagicAndVersion));
   Claims claims;
   std::optional<PrimaryCoordinates> primaries;

@@ -13,6 +13,9 @@
 
 namespace tessera::core {
 
+enum class ExrStructure { kFlat, kDeep, kSeveralParts };
+ExrStructure exr_structure(std::string_view bytes);
+
 struct ExrHeader {
   // A replacement for the file's header, from the first byte on, to be passed to OpenEXR. Attributes that
   // are not needed are made opaque, so that OpenEXR does not interpret them.
@@ -23,7 +26,7 @@ struct ExrHeader {
 };
 
 // Errors: an attribute exceeds the file or has the wrong type, the image or its tiles are larger than the
-// file can hold, or the file is multi-part or deep.
+// file can hold. The file must be flat.
 Result<ExrHeader> checked_exr_header(std::string_view bytes);
 
 // The texts in the header by their names. Errors: it is no OpenEXR file, or an attribute exceeds it.

@@ -68,13 +68,15 @@ std::optional<ChannelNames> layer_channels(const Imf::ChannelList& channels, con
 }
 
 std::optional<ChannelNames> color_channels(const Imf::ChannelList& channels) {
-  const auto of_layer = [&](const std::string& layer) -> std::optional<ChannelNames> {
-    if (!has(channels, layer + "R") || !has(channels, layer + "G") || !has(channels, layer + "B"))
-      return std::nullopt;
-    return ChannelNames{{layer + "R", layer + "G", layer + "B"}, layer + "A"};
+  const auto of_layer = [&](const std::string& layer,
+                            std::string_view rgba = "RGBA") -> std::optional<ChannelNames> {
+    const auto name = [&](std::size_t i) { return layer + rgba[i]; };
+    if (!has(channels, name(0)) || !has(channels, name(1)) || !has(channels, name(2))) return std::nullopt;
+    return ChannelNames{{name(0), name(1), name(2)}, name(3)};
   };
   if (auto names = of_layer("")) return names;
   if (has(channels, "Y")) return ChannelNames{{"Y", "Y", "Y"}, "A"};
+  if (auto names = of_layer("", "rgba")) return names;
   for (const std::string& name : names_of(channels)) {
     if (!name.ends_with(".R")) continue;
     if (auto names = of_layer(name.substr(0, name.size() - 1))) return names;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // TIFF by libtiff: the first image of a file. Gray and RGB of 8 or 16 bits or floats keep their precision;
 // palettes, bilevel, YCbCr, CMYK and others are converted to 8 bits.
+#include <half.h>
 #include <tiffio.h>
 
 #include <algorithm>
@@ -124,7 +125,8 @@ bool is_direct(const Layout& layout) {
   const bool is_float = layout.sample_format == SAMPLEFORMAT_IEEEFP;
   const bool is_color = layout.is_rgb() || layout.photometric == PHOTOMETRIC_MINISBLACK ||
                         (layout.photometric == PHOTOMETRIC_MINISWHITE && is_number);
-  const bool has_type = is_float ? layout.bits == 32 : is_number && (layout.bits == 8 || layout.bits == 16);
+  const unsigned fewest = is_float ? 16 : 8;
+  const bool has_type = (is_float || is_number) && (layout.bits == fewest || layout.bits == 2 * fewest);
   return is_color && has_type && layout.samples >= layout.colors();
 }
 
@@ -240,13 +242,24 @@ class DirectReader {
   std::vector<std::uint8_t> buffer_;
 };
 
+// Floats of 16 bits.
+Result<DecodedImage> read_halves(TiffFile& file, const Layout& layout, bool keep_alpha) {
+  auto image = DirectReader<std::uint16_t>(file, layout, keep_alpha).read();
+  if (!image) return image;
+  DecodedImage::Floats values;
+  for (const std::uint16_t bits : std::get<DecodedImage::Words>(image->values))
+    values.push_back(imath_half_to_float(bits));
+  image->values = std::move(values);
+  return image;
+}
+
 // Uses libtiff's own conversion, which premultiplies colours by alpha.
 Result<DecodedImage> decode_converted(TiffFile& file, ImageSize size, const DecodeOptions& options) {
   std::array<char, 1024> reason{};
   if (TIFFRGBAImageOK(file.tiff(), reason.data()) == 0)
     return unsupported_image(
         fmt::format("a TIFF image of an unusual kind ({})", printable_reason(reason.data())),
-        "save it as RGB, or as PNG");
+        "save it as RGB of 8 or 16 bits or of 32-bit floats, or as PNG");
   std::vector<std::uint32_t> raster(size.pixels());
   if (TIFFReadRGBAImageOriented(file.tiff(), static_cast<std::uint32_t>(size.width),
                                 static_cast<std::uint32_t>(size.height), raster.data(), ORIENTATION_TOPLEFT,
@@ -293,6 +306,8 @@ Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const Decode
   const Layout layout = layout_of(file, size);
   if (layout.samples > kMaxSamples) return broken_image("TIFF", "it has too many samples in a pixel");
   if (!is_direct(layout)) return decode_converted(file, size, options);
+  if (layout.bits == 16 && layout.sample_format == SAMPLEFORMAT_IEEEFP)
+    return read_halves(file, layout, options.keep_alpha);
   if (layout.bits == 8) return DirectReader<std::uint8_t>(file, layout, options.keep_alpha).read();
   if (layout.bits == 16) return DirectReader<std::uint16_t>(file, layout, options.keep_alpha).read();
   return DirectReader<float>(file, layout, options.keep_alpha).read();

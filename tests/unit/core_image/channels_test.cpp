@@ -55,6 +55,13 @@ TEST_F(Channels, AreReadFromOpenExrByTheirNames) {
   EXPECT_EQ(pixel("UV"), (Rgb{48, 49, 0}));
 }
 
+TEST_F(Channels, InLowerCaseAreColours) {
+  source_.channels = {"r", "g", "b", "a", "n.x", "n.y", "n.z", "z", "uv.u", "uv.v"};
+  const auto image = decode_image(encoded(ImageFormat::kExr));
+  ASSERT_TRUE(image) << image.error().message;
+  EXPECT_EQ(image->at(1, 1), (Rgb{40, 41, 42}));
+}
+
 TEST_F(Channels, ThatAreUnknownAreToldWithThoseThatThereAre) {
   const std::string bytes = encoded(ImageFormat::kExr);
   EXPECT_EQ(

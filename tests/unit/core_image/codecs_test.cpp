@@ -131,6 +131,8 @@ TEST(TiffCodec, KeepsThePrecision) {
   EXPECT_EQ(decode_as<Words>(test::tiff_file({.width = 40, .height = 40, .bits = 16}))[3 * 1599 + 1],
             7 * 1599 + 43);
   EXPECT_EQ(decode_as<Floats>(test::tiff_file({.bits = 32, .is_float = true}))[3 * 19], 136.0f);
+  // The samples are the bits of halves that are not normalised.
+  EXPECT_EQ(decode_as<Floats>(test::tiff_file({.bits = 16, .is_float = true}))[3 * 19], 136 * 0x1p-24f);
 }
 
 TEST(TiffCodec, ReadsAllLayouts) {

@@ -96,6 +96,16 @@ TEST(DecodeImage, ASmallFileThatClaimsAHugeImageIsAnError) {
   EXPECT_THAT(decode_image(exr).error().message, HasSubstr("32768x32768"));
 }
 
+TEST(DecodeExr, FilesThatAreNotFlatAreNotBroken) {
+  std::string exr = encode_image(Image(2, 2), ImageFormat::kExr).value();
+  exr[5] = 0x10;
+  EXPECT_EQ(decode_image(exr).error().message,
+            "is an OpenEXR image of several parts, which is not supported; save it as one flat part");
+  exr[5] = 0x08;
+  EXPECT_EQ(decode_image(exr).error().message,
+            "is a deep OpenEXR image, which is not supported; save it as one flat part");
+}
+
 // OpenEXR would take the memory first.
 TEST(DecodeExr, AttributesBeyondTheFileAreErrors) {
   std::string exr = encode_image(Image(2, 2), ImageFormat::kExr).value();
@@ -260,7 +270,8 @@ TEST(ReadImage, ErrorsNameTheFile) {
   ASSERT_TRUE(write_file_atomically(path, "text"));
   EXPECT_EQ(
       read_image(path).error().message,
-      "'" + path + "' is not an image of a known format (PNG, JPEG, HDR, EXR, PFM, TIFF, WebP, BMP, QOI or TGA)");
+      "'" + path +
+          "' is not an image of a known format (PNG, JPEG, HDR, EXR, PFM, TIFF, WebP, BMP, QOI or TGA)");
 }
 
 }  // namespace

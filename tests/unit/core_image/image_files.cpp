@@ -44,7 +44,7 @@ std::vector<std::uint8_t> tiff_samples(const TiffOptions& options, std::uint32_t
 
 std::vector<std::uint8_t> tiff_samples_of_type(const TiffOptions& options, std::uint32_t x, std::uint32_t y,
                                                std::uint32_t width, std::uint32_t height, int plane) {
-  if (options.is_float) return tiff_samples<float>(options, x, y, width, height, plane);
+  if (options.is_float && options.bits == 32) return tiff_samples<float>(options, x, y, width, height, plane);
   return options.bits == 16 ? tiff_samples<std::uint16_t>(options, x, y, width, height, plane)
                             : tiff_samples<std::uint8_t>(options, x, y, width, height, plane);
 }

@@ -27,7 +27,7 @@ struct TiffOptions {
   bool is_float = false, tiled = false, planar = false;
   int compression = 5, photometric = 2, orientation = 1;  // LZW, RGB, from the top left
 };
-// Sample c of pixel i is 7 * i + 40 * c + 3, in the file's type.
+// Sample c of pixel i is 7 * i + 40 * c + 3, in the file's type; of floats of 16 bits, these are their bits.
 std::string tiff_file(const TiffOptions& options = {});
 
 std::string webp_file(int width, int height, const std::vector<std::uint8_t>& rgba);
