@@ -54,6 +54,10 @@ constexpr std::array<std::string_view, 17> kInvisibleExtensions{
     "OMI_physics_shape",
 };
 
+// Images of formats that cannot be read: the textures have a fallback, or are ignored.
+constexpr std::array<std::string_view, 3> kUnreadableImages{"EXT_texture_avif", "KHR_texture_basisu",
+                                                            "MSFT_texture_dds"};
+
 bool is_among(const auto& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -111,6 +115,14 @@ void Document::tell_unsupported_extension(const Value& place, std::string_view n
        fmt::format("the optional extension {} is not supported; it is ignored", in_quotes(name)));
 }
 
+void Document::tell_unreadable_images(const Value& place, std::string_view name) const {
+  warn(
+      place, name,
+      fmt::format("the images of {} cannot be read; textures that have no other are ignored: convert them to "
+                  "PNG or JPEG",
+                  in_quotes(name)));
+}
+
 std::string_view Document::split() {
   if (!gltf::is_binary(bytes_)) return bytes_;
   is_binary_ = true;
@@ -133,12 +145,17 @@ void Document::check_version() const {
 
 void Document::check_extensions() const {
   const auto* object = json_.get_if<JsonValue::Object>();
+  std::set<std::string> told;
   for (const auto& [key, line, list] : *object) {
     if ((key != "extensionsRequired" && key != "extensionsUsed") || !list.get_if<JsonValue::Array>())
       continue;
     for (std::size_t i = 0; i < list.get_if<JsonValue::Array>()->size(); ++i) {
       const std::string name = text_of(&list, i);
       if (is_known_extension(name) || is_invisible_extension(name)) continue;
+      if (is_among(kUnreadableImages, name)) {
+        if (told.insert(name).second) tell_unreadable_images(Value(&list, key, this), name);
+        continue;
+      }
       if (key == "extensionsRequired")
         Value(&list, key, this)
             .refuse(fmt::format("needs the extension {}, which is not supported", in_quotes(name)));

@@ -68,6 +68,7 @@ class Document {
   std::string_view split();
   void check_version() const;
   void check_extensions() const;
+  void tell_unreadable_images(const Value& place, std::string_view name) const;
   // Within the handler of the refusal.
   void tell_refusal(const Refusal& refusal, const Value& place, std::string_view kind,
                     std::string_view instead) const;

@@ -182,12 +182,31 @@ TEST(GltfCompression, OfDracoIsUndone) {
 
 TEST(GltfExtensions, ThatAreUnknownAreRefusedOrTold) {
   GltfFile file = with_triangle();
-  file.json["extensionsUsed"] = {"KHR_texture_basisu", "KHR_lights_punctual"};
+  file.json["extensionsUsed"] = {"EXT_lights_ies", "KHR_lights_punctual"};
   const auto scene = load_gltf(file.text());
   ASSERT_TRUE(scene) << scene.error().message;
-  EXPECT_THAT(warnings_of(*scene), HasSubstr("the optional extension 'KHR_texture_basisu' is not supported"));
-  file.json["extensionsRequired"] = {"KHR_texture_basisu"};
-  EXPECT_THAT(gltf_mistake(file.text()), HasSubstr("needs the extension 'KHR_texture_basisu'"));
+  EXPECT_THAT(warnings_of(*scene), HasSubstr("the optional extension 'EXT_lights_ies' is not supported"));
+  file.json["extensionsRequired"] = {"EXT_lights_ies"};
+  EXPECT_THAT(gltf_mistake(file.text()), HasSubstr("needs the extension 'EXT_lights_ies'"));
+}
+
+TEST(GltfExtensions, OfImagesThatCannotBeReadCostTheTextures) {
+  GltfFile file;
+  file.json["images"] = {{{"uri", "a.ktx2"}}};
+  file.json["textures"] = {{{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}}};
+  file.json["materials"] = {
+      {{"pbrMetallicRoughness", {{"baseColorFactor", {1, 0, 0, 1}}, {"baseColorTexture", {{"index", 0}}}}}}};
+  file.node({{"mesh", file.triangle(0)}});
+  file.json["extensionsUsed"] = file.json["extensionsRequired"] = {"KHR_texture_basisu"};
+  const auto scene = load_gltf(file.text());
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->textures.size(), 1u) << "that of the studio";
+  EXPECT_THAT(warnings_of(*scene),
+              HasSubstr("extensionsRequired: the images of 'KHR_texture_basisu' cannot be "
+                        "read; textures that have no other are ignored: convert them to "
+                        "PNG or JPEG\n"));
+  EXPECT_THAT(warnings_of(*scene), HasSubstr("textures[0]: has no image that can be read; the texture is "
+                                             "ignored"));
 }
 
 TEST(GltfVersion, MayBeShort) {
