@@ -17,6 +17,7 @@ namespace tessera::core {
 namespace {
 
 constexpr std::size_t kStlHeaderBytes = 84, kStlTriangleBytes = 50;
+constexpr std::uint64_t kMinStlShare = 10;   // at least one triangle in this many must be there
 constexpr std::size_t kStlHeadBytes = 4096;  // those that tell text from binary files
 constexpr bool kStlIsSwapped = std::endian::native == std::endian::big;
 
@@ -87,11 +88,17 @@ Status check_stl_count(std::uint64_t count, const SceneLimit& limit) {
 }
 
 Result<MeshFile> read_binary_stl(std::string_view bytes, const SceneLimit& limit) {
-  const std::uint64_t count = stl_triangle_count(bytes);
-  if (bytes.size() < kStlHeaderBytes || count > (bytes.size() - kStlHeaderBytes) / kStlTriangleBytes)
+  const std::uint64_t claimed = stl_triangle_count(bytes);
+  const std::size_t body = bytes.size() - std::min(bytes.size(), kStlHeaderBytes);
+  const std::uint64_t count = std::min<std::uint64_t>(claimed, body / kStlTriangleBytes);
+  if (bytes.size() < kStlHeaderBytes || count < (claimed + kMinStlShare - 1) / kMinStlShare)
     return fail(ErrorCode::kInvalidArgument, "is a broken STL file (it ends too early)");
   if (auto fits = check_stl_count(count, limit); !fits) return fail(fits.error());
   MeshFile file;
+  if (count < claimed)
+    file.warnings.add("incomplete", 0, [&] {
+      return fmt::format("ends after {} of its {} triangles: a part of the mesh is missing", count, claimed);
+    });
   file.mesh.triangles.reserve(count);
   file.mesh.positions.reserve(count / 2);
   PositionIndex index(file.mesh.positions, 3 * count);

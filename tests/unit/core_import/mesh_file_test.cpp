@@ -332,6 +332,32 @@ TEST(Stl, ReadsBinaryFilesAlsoIfTheyBeginWithSolid) {
   EXPECT_EQ(stl_error(bytes.str() + "\n\n"), "");
 }
 
+// Two triangles with a common edge.
+std::string stl_with(const std::string& header, std::uint16_t first, std::uint16_t second) {
+  Bytes bytes(Order::kLittle, header + std::string(80 - header.size(), '\0'));
+  bytes << 2u;
+  const auto add = [&bytes](const std::array<float, 9>& corners, std::uint16_t attributes) {
+    bytes << 0.0f << 0.0f << 1.0f;
+    for (const float value : corners) bytes << value;
+    bytes << attributes;
+  };
+  add({0, 0, 0, 1, 0, 0, 1, 1, 0}, first);
+  add({0, 0, 0, 1, 1, 0, 0, 1, 0}, second);
+  return bytes.str();
+}
+
+TEST(Stl, ReadsTheWholeTrianglesOfBinaryFilesThatEndTooEarly) {
+  const std::string whole = stl_with("", 0, 0);
+  const auto file = read_stl(whole.substr(0, whole.size() - 20), "m.stl");
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_EQ(file->mesh.triangles.size(), 1u);
+  EXPECT_THAT(file->warnings.messages("m.stl"),
+              ElementsAre("m.stl: ends after 1 of its 2 triangles: a part of the mesh is missing"));
+  std::string mostly = whole;
+  mostly[80] = 21;
+  EXPECT_EQ(stl_error(mostly), "'m.stl' is a broken STL file (it ends too early)");
+}
+
 constexpr std::string_view kTextFacet =
     "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
 
