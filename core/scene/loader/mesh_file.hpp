@@ -52,8 +52,8 @@ Result<MeshFile> read_ply(std::string_view bytes, const std::string& name, const
 // Whether the bytes are text with the first keywords of STL files, or have the size that the header of a
 // binary STL file says.
 bool is_stl(std::string_view bytes);
-// Equal corners become one vertex. The file's normals are ignored, because they are those of the triangles.
-// Errors as above.
+// Equal corners become one vertex, if their facets have the same colour. The file's normals are ignored,
+// because they are those of the triangles. Errors as above.
 Result<MeshFile> read_stl(std::string_view bytes, const std::string& name, const SceneLimit& triangles = {});
 
 }  // namespace tessera::core

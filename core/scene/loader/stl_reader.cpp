@@ -10,6 +10,7 @@
 #include "core/scene/loader/mesh_file.hpp"
 #include "core/scene/loader/obj_reader.hpp"
 #include "core/scene/loader/ply_values.hpp"
+#include "core/scene/loader/stl_colors.hpp"
 #include "core/scene/loader/text_lines.hpp"
 #include "core/scene/loader/wording.hpp"
 
@@ -41,23 +42,27 @@ bool is_text_stl(std::string_view text) {
           (lower.find("facet") != std::string::npos || lower.find("endsolid") != std::string::npos));
 }
 
-// Gives equal positions the same number, by open addressing. `expected` bounds their number.
+// Gives equal positions with equal tags the same number, by open addressing. `expected` bounds their number.
 class PositionIndex {
  public:
   PositionIndex(std::vector<Vec3>& positions, std::size_t expected)
       : positions_(positions), slots_(std::bit_ceil(2 * expected + 2), kEmpty) {}
 
-  std::uint32_t number(Vec3 p) {
+  std::uint32_t number(Vec3 p, std::uint16_t tag = 0) {
     const Vec3 key{p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};  // no negative zeros
     for (std::size_t i = hash(key) & (slots_.size() - 1);; i = (i + 1) & (slots_.size() - 1)) {
       if (slots_[i] == kEmpty) {
         slots_[i] = static_cast<std::uint32_t>(positions_.size());
         positions_.push_back(key);
+        tags_.push_back(tag);
         return slots_[i];
       }
-      if (equal(positions_[slots_[i]], key)) return slots_[i];
+      if (tags_[slots_[i]] == tag && equal(positions_[slots_[i]], key)) return slots_[i];
     }
   }
+
+  // Of each position.
+  const std::vector<std::uint16_t>& tags() const { return tags_; }
 
  private:
   static constexpr std::uint32_t kEmpty = 0xffffffffu;
@@ -76,6 +81,7 @@ class PositionIndex {
   }
 
   std::vector<Vec3>& positions_;
+  std::vector<std::uint16_t> tags_;
   std::vector<std::uint32_t> slots_;
 };
 
@@ -85,6 +91,15 @@ Status check_stl_count(std::uint64_t count, const SceneLimit& limit) {
   return fail(ErrorCode::kResourceExhausted,
               fmt::format("has more than the {} triangles that a scene may have here{}", most,
                           limit.option.empty() ? "" : fmt::format(" ({})", limit.option)));
+}
+
+// The attribute bytes of each triangle.
+std::vector<std::uint16_t> stl_attributes(std::string_view bytes, std::uint64_t count) {
+  std::vector<std::uint16_t> attributes(count);
+  const char* at = bytes.data() + kStlHeaderBytes + kStlTriangleBytes - sizeof(std::uint16_t);
+  for (std::uint64_t i = 0; i < count; ++i)
+    attributes[i] = load_ply_value<std::uint16_t>(at + kStlTriangleBytes * i, kStlIsSwapped);
+  return attributes;
 }
 
 Result<MeshFile> read_binary_stl(std::string_view bytes, const SceneLimit& limit) {
@@ -102,17 +117,21 @@ Result<MeshFile> read_binary_stl(std::string_view bytes, const SceneLimit& limit
   file.mesh.triangles.reserve(count);
   file.mesh.positions.reserve(count / 2);
   PositionIndex index(file.mesh.positions, 3 * count);
+  const std::vector<std::uint16_t> attributes = stl_attributes(bytes, count);
+  const auto colors = stl_colors(bytes.substr(0, kStlHeaderBytes), attributes);
   const char* at = bytes.data() + kStlHeaderBytes;
   for (std::uint64_t i = 0; i < count; ++i, at += kStlTriangleBytes) {
     const auto corner = [&](std::size_t k) {
       const auto value = [&](std::size_t axis) {
         return load_ply_value<float>(at + 12 * (k + 1) + 4 * axis, kStlIsSwapped);
       };
-      return index.number({value(0), value(1), value(2)});
+      return index.number({value(0), value(1), value(2)}, colors ? attributes[i] : std::uint16_t{0});
     };
     const std::uint32_t a = corner(0), b = corner(1);
     file.mesh.triangles.push_back({a, b, corner(2)});
   }
+  if (colors)
+    for (const std::uint16_t tag : index.tags()) file.mesh.colors.push_back(colors->of(tag));
   return file;
 }
 

@@ -346,6 +346,24 @@ std::string stl_with(const std::string& header, std::uint16_t first, std::uint16
   return bytes.str();
 }
 
+std::vector<Rgb> stl_colors_of(const std::string& header, std::uint16_t first, std::uint16_t second) {
+  const auto file = read_stl(stl_with(header, first, second), "m.stl");
+  EXPECT_TRUE(file) << file.error().message;
+  if (!file || file->mesh.colors.empty()) return {};
+  const auto& [a, b] = std::pair(file->mesh.triangles[0], file->mesh.triangles[1]);
+  return {file->mesh.colors.at(a[0]), file->mesh.colors.at(b[0])};
+}
+
+TEST(Stl, ReadsColoursOfFacets) {
+  EXPECT_THAT(stl_colors_of("COLOR=\xff\xff\x01\xff,MATERIAL=", 0x8000, 31),
+              ElementsAre(Rgb{1, 1, srgb_decode(std::uint8_t{1})}, Rgb{1, 0, 0}));
+  EXPECT_THAT(stl_colors_of("VCG", 0x8000 | 31 << 10, 0x8000 | 31), ElementsAre(Rgb{1, 0, 0}, Rgb{0, 0, 1}));
+  EXPECT_THAT(stl_colors_of("", 0x8000 | 31 << 5, 0), ElementsAre(Rgb{0, 1, 0}, Rgb::gray(0.5f)));
+  EXPECT_THAT(stl_colors_of("", 0, 0), IsEmpty());
+  EXPECT_THAT(stl_colors_of("", 0x8123, 0x0042), IsEmpty()) << "other programs leave any bytes there";
+  EXPECT_EQ(read_stl(stl_with("", 0x8001, 0x8001), "m.stl").value().mesh.positions.size(), 4u);
+}
+
 TEST(Stl, ReadsTheWholeTrianglesOfBinaryFilesThatEndTooEarly) {
   const std::string whole = stl_with("", 0, 0);
   const auto file = read_stl(whole.substr(0, whole.size() - 20), "m.stl");
