@@ -175,8 +175,8 @@ Status FaceReader::face(const tinyobj::index_t* corners, int count) {
     if (!has_area()) warn("flat", [] { return "a face without an area is left out"; });
     for (const auto& triangle : triangles_) add(triangle);
   } else {
-    leave_out("concave", [] {
-      return fmt::format("a face that is not convex may have {} corners at most", kMaxConcaveCorners);
+    leave_out("concave", [this] {
+      return fmt::format("a face of {} corners has too many notches; split it", face_.size());
     });
   }
   return {};

@@ -359,8 +359,8 @@ Status PlyReader::add_polygon() {
   for (const std::uint32_t corner : corners_) outline_.push_back(file_.mesh.positions[corner]);
   polygon_.clear();
   if (!triangulate(outline_, polygon_)) {
-    leave_out("concave", [] {
-      return fmt::format("is not convex, and may have {} corners at most", kMaxConcaveCorners);
+    leave_out("concave", [this] {
+      return fmt::format("has {} corners and too many notches; split it", corners_.size());
     });
     return {};
   }

@@ -45,10 +45,10 @@ std::vector<Point> project(std::span<const Vec3> corners) {
   return points;
 }
 
-// The remaining corners, and whether each is reflex.
+// The remaining corners, and those of them that are reflex.
 struct Outline {
   std::vector<Point> points;
-  std::vector<std::uint32_t> left;
+  std::vector<std::uint32_t> left, reflex;
 
   Point at(std::size_t i) const { return points[left[i % left.size()]]; }
   std::size_t before(std::size_t i) const { return (i + left.size() - 1) % left.size(); }
@@ -56,13 +56,18 @@ struct Outline {
     return {left[i % left.size()], left[j % left.size()], left[k % left.size()]};
   }
   bool is_reflex(std::size_t i) const { return twice_area(at(before(i)), at(i), at(i + 1)) < 0; }
-};
 
-bool is_convex(const Outline& outline) {
-  for (std::size_t i = 0; i < outline.left.size(); ++i)
-    if (outline.is_reflex(i)) return false;
-  return true;
-}
+  void find_reflex() {
+    for (std::size_t i = 0; i < left.size(); ++i)
+      if (is_reflex(i)) reflex.push_back(left[i]);
+  }
+  // Its neighbours may become convex.
+  void cut_off(std::size_t ear) {
+    left.erase(left.begin() + static_cast<std::ptrdiff_t>(ear));
+    for (const std::size_t i : {before(ear), ear % left.size()})
+      if (!is_reflex(i)) std::erase(reflex, left[i]);
+  }
+};
 
 bool same(Point a, Point b) {
   return a.x == b.x && a.y == b.y;
@@ -72,8 +77,8 @@ bool same(Point a, Point b) {
 bool is_ear(const Outline& outline, std::size_t i) {
   const Point a = outline.at(outline.before(i)), b = outline.at(i), c = outline.at(i + 1);
   if (!(twice_area(a, b, c) > 0)) return false;
-  for (std::size_t k = 2; k + 1 < outline.left.size(); ++k) {
-    const Point p = outline.at(i + k);
+  for (const std::uint32_t corner : outline.reflex) {
+    const Point p = outline.points[corner];
     const bool inside = twice_area(a, b, p) >= 0 && twice_area(b, c, p) >= 0 && twice_area(c, a, p) >= 0;
     if (inside && !same(p, a) && !same(p, b) && !same(p, c)) return false;
   }
@@ -95,17 +100,18 @@ bool triangulate(std::span<const Vec3> corners, std::vector<std::array<std::uint
     triangles.push_back({0, 1, 2});
     return true;
   }
-  Outline outline{project(corners), std::vector<std::uint32_t>(count)};
+  Outline outline{project(corners), std::vector<std::uint32_t>(count), {}};
   std::iota(outline.left.begin(), outline.left.end(), 0u);
-  if (is_convex(outline)) {
+  outline.find_reflex();
+  if (outline.reflex.empty()) {
     for (std::uint32_t i = 1; i + 1 < count; ++i) triangles.push_back({0, i, i + 1});
     return true;
   }
-  if (count > kMaxConcaveCorners) return false;
+  if (count * outline.reflex.size() > kMaxConcaveCorners * kMaxConcaveCorners) return false;
   std::optional<std::size_t> ear = 0;
   while (outline.left.size() > 3 && (ear = find_ear(outline, *ear))) {
     triangles.push_back(outline.triangle(outline.before(*ear), *ear, *ear + 1));
-    outline.left.erase(outline.left.begin() + static_cast<std::ptrdiff_t>(*ear));
+    outline.cut_off(*ear);
   }
   for (std::size_t i = 1; i + 1 < outline.left.size(); ++i)
     triangles.push_back(outline.triangle(0, i, i + 1));

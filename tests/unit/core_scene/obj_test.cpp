@@ -371,14 +371,13 @@ TEST(Obj, IsRefusedWhereHardlyAFaceIsLeft) {
 
 TEST(Obj, LeavesOutConcaveFacesOfTooManyCorners) {
   std::string text, face = "f 1 2 3\nf";
-  for (int i = 0; i < 5000; ++i) {
+  for (int i = 0; i < 6000; ++i) {
     text += "v " + std::to_string(i) + " " + std::to_string(i % 2) + " 0\n";
     face += " " + std::to_string(i + 1);
   }
-  EXPECT_EQ(
-      warnings_of(text + "v 2500 9999 0\n" + face + " 5001\n"),
-      (std::vector<std::string>{
-          "x.obj:5003: a face that is not convex may have 4096 corners at most; the face is left out"}));
+  EXPECT_EQ(warnings_of(text + "v 3000 9999 0\n" + face + " 6001\n"),
+            (std::vector<std::string>{
+                "x.obj:6003: a face of 6001 corners has too many notches; split it; the face is left out"}));
 }
 
 TEST(Obj, TellsFacesWithoutAnArea) {

@@ -99,12 +99,26 @@ TEST(Triangulate, SurvivesWhatIsNoPolygon) {
   cut({{-3e38f, 0, 0}, {3e38f, 0, 0}, {0, 1, 0}, {3e38f, 3e38f, 3e38f}});
 }
 
+// The cap of a cylinder, with the digits that OBJ files have.
+TEST(Triangulate, CutsLargeCirclesThatAreRounded) {
+  for (const double scale : {1e6, 1e4}) {
+    std::vector<Vec3> circle;
+    for (int i = 0; i < 5000; ++i) {
+      const auto rounded = [scale](double x) { return static_cast<float>(std::round(x * scale) / scale); };
+      circle.push_back({rounded(std::cos(M_PI * i / 2500)), rounded(std::sin(M_PI * i / 2500)), 3});
+    }
+    const auto [sum, total] = areas(circle, cut(circle));
+    EXPECT_NEAR(sum.z / M_PI, 1, 1e-3) << scale;
+    EXPECT_NEAR(total / M_PI, 1, 1e-3) << scale;
+  }
+}
+
 TEST(Triangulate, LimitsTheCostOfConcavePolygons) {
   Triangles triangles;
-  const auto most = static_cast<int>(kMaxConcaveCorners / 2);
-  EXPECT_TRUE(triangulate(star(most, {}, {1, 0, 0}, {0, 1, 0}, false), triangles));
+  const auto always = static_cast<int>(kMaxConcaveCorners / 2);
+  EXPECT_TRUE(triangulate(star(always, {}, {1, 0, 0}, {0, 1, 0}, false), triangles));
   EXPECT_EQ(triangles.size(), kMaxConcaveCorners - 2);
-  EXPECT_FALSE(triangulate(star(most + 1, {}, {1, 0, 0}, {0, 1, 0}, false), triangles));
+  EXPECT_FALSE(triangulate(star(2 * always, {}, {1, 0, 0}, {0, 1, 0}, false), triangles));
   EXPECT_EQ(triangles.size(), kMaxConcaveCorners - 2);
 }
 
