@@ -26,6 +26,12 @@ constexpr std::array kOptions{Option{"-s", 3},          Option{"-o", 3},
                               Option{"-cc", kWord},     Option{"-imfchan", kWord},
                               Option{"-type", kWord},   Option{"-colorspace", kWord}};
 
+// What stands for the number of a tile in the name of an image, and the first tile.
+struct Tiles {
+  std::string_view place, first;
+};
+constexpr std::array kTiles{Tiles{"<UDIM>", "1001"}, Tiles{"<UVTILE>", "u1_v1"}};
+
 class MapReader {
  public:
   MapReader(std::string_view keyword, std::string_view line, int line_number, FileWarnings& warnings)
@@ -41,6 +47,7 @@ class MapReader {
   void set_numbers(std::string_view option, const std::array<float, 3>& numbers, int count);
   void take_clamp();
   void take_channel();
+  void use_first_tile();
 
   template <typename Text>
   void warn(std::string_view kind, const Text& text) {
@@ -61,6 +68,7 @@ bool is_last_word(std::string_view line) {
 std::optional<MtlMap> MapReader::read() {
   while (line_.starts_with('-') && !is_last_word(line_)) take_option();
   map_.file = without_quotes(line_);
+  use_first_tile();
   const bool is_option = std::any_of(kOptions.begin(), kOptions.end(),
                                      [&](const Option& option) { return option.name == map_.file; });
   if (!name_without_comment(map_.file).empty() && !is_option) return map_;
@@ -133,6 +141,19 @@ void MapReader::take_channel() {
   if (word == "r") map_.channel = TextureChannel::kRed;
   if (word == "g") map_.channel = TextureChannel::kGreen;
   if (word == "b") map_.channel = TextureChannel::kBlue;
+}
+
+void MapReader::use_first_tile() {
+  for (const Tiles& tiles : kTiles) {
+    const std::size_t at = map_.file.find(tiles.place);
+    if (at == std::string::npos) continue;
+    warn("UDIM", [&] {
+      return fmt::format(
+          "{} stands for the tiles of an image, which are not supported; tile {} is used for all",
+          in_quotes(map_.file), tiles.first);
+    });
+    map_.file.replace(at, tiles.place.size(), tiles.first);
+  }
 }
 
 }  // namespace

@@ -137,6 +137,20 @@ TEST(OtherPrograms, MissingAndBrokenImagesCostTheTextureOnly) {
   EXPECT_TRUE(scene.warnings[1].starts_with("m/a.mtl:6: 'm/b.png' is not a")) << scene.warnings[1];
 }
 
+TEST(OtherPrograms, TheFirstTileOfAnImageIsUsed) {
+  const SceneDescription scene =
+      loaded({{"m/a.obj", "mtllib a.mtl\n" + kVertices + "usemtl a\nf 1/1 2/2 3/3\n"},
+              {"m/a.mtl", "newmtl a\nmap_Kd a.<UDIM>.png\nmap_Ks b.<UVTILE>.png\n"},
+              {"m/a.1001.png", gray_png()}});
+  EXPECT_EQ(scene.textures.size(), 1u);
+  EXPECT_EQ(
+      scene.warnings,
+      (Strings{"m/a.mtl:2: 'a.<UDIM>.png' stands for the tiles of an image, which are not supported; tile "
+               "1001 is used for all (2 times)",
+               "m/a.mtl:3: 'b.u1_v1.png' does not exist, and neither does a file of this name beside the "
+               "MTL file; the map is ignored"}));
+}
+
 TEST(OtherPrograms, EachImageThatCannotBeUsedIsTold) {
   const SceneDescription scene =
       loaded({{"m/a.obj", "mtllib a.mtl\n" + kVertices + "usemtl a\nf 1 2 3\nusemtl b\nf 2 4 3\n"},
