@@ -89,13 +89,27 @@ Result<std::vector<std::uint32_t>> ObjMaterials::of_runs(const std::string& path
     }
     const auto material = add_material(found->second);
     if (!material) return fail(material.error());
+    tell_missing_uvs(obj, run, *material);
     materials.push_back(*material);
   }
   return materials;
 }
 
-// Among equal names the first wins. A name that may end with a comment is first used as written, then
-// without the comment if no other material has that name.
+void ObjMaterials::tell_missing_uvs(const ObjFile& obj, std::size_t run, std::uint32_t material) {
+  if (!with_images_.contains(material)) return;
+  const auto& uvs = obj.corners.uvs;
+  std::size_t missing = 0;
+  for (std::size_t t = obj.runs[run].first_triangle; t < end_of_run(obj, run); ++t)
+    missing += uvs.empty() || uvs[3 * t] < 0 || uvs[3 * t + 1] < 0 || uvs[3 * t + 2] < 0 ? 1 : 0;
+  if (missing == 0) return;
+  const auto text = [] {
+    return "this material has images, and faces of it have no texture coordinates; they show a single texel";
+  };
+  warn(obj_, "no uvs", obj.material_lines[obj.runs[run].material], text, missing, "triangles");
+}
+
+// Among equal names of a file the last wins, and among those of several files the first. A name that may end
+// with a comment is first used as written, then without the comment if no other material has that name.
 ObjMaterials::Names ObjMaterials::names_in(const Libraries& libraries) {
   Names names, without_comments;
   for (const auto& [path, file] : libraries)
@@ -184,9 +198,11 @@ Result<std::uint32_t> ObjMaterials::add_material(const Found& found) {
   const auto known = known_.find({library, material->name});
   if (known != known_.end()) return known->second;
   library_ = library;
+  const std::size_t textures_before = scene_.textures.size();
   const auto textures = add_textures(*material);
   if (!textures) return fail(textures.error());
   const auto index = static_cast<std::uint32_t>(scene_.materials.size());
+  if (scene_.textures.size() > textures_before) with_images_.insert(index);
   Material added = make_material(*material, *textures);
   added.name = library + ": " + added.name;
   tell_unused(*material, added);

@@ -65,6 +65,7 @@ class ObjMaterials {
   void tell_other_name(const std::string& file, int line, const std::string& written,
                        const std::string& expected, const std::string& found);
   void tell_gap(const ObjFile& obj, std::size_t run, const Names& names, std::string_view filler);
+  void tell_missing_uvs(const ObjFile& obj, std::size_t run, std::uint32_t material);
   Result<std::uint32_t> add_material(const Found& found);
   // The material of the image that a PLY file calls `name`; nullopt if it cannot be used.
   Result<std::optional<std::uint32_t>> add_image_material(const std::string& name);
@@ -97,6 +98,7 @@ class ObjMaterials {
   std::map<std::pair<std::string, std::string>, std::uint32_t> known_;  // by library and name
   std::map<Image, Image> clamped_;              // images of reflectances with values above 1
   std::map<bool, std::uint32_t> defaults_;      // for meshes without and with vertex colours
+  std::set<std::uint32_t> with_images_;         // materials
   std::vector<std::uint32_t> unsettled_bumps_;  // materials
 };
 

@@ -68,7 +68,7 @@ TEST(MeshMaterials, PutsMapsOnTheMattPartOfMaterialsWithHighlights) {
 }
 
 SceneDescription with_material(const std::string& mtl, MemoryAssets::Files files = {}) {
-  files.emplace("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+  files.emplace("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
   files.emplace("a.mtl", "newmtl m\n" + mtl);
   return load_valid(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"), files);
 }

@@ -137,6 +137,19 @@ TEST(OtherPrograms, MissingAndBrokenImagesCostTheTextureOnly) {
   EXPECT_TRUE(scene.warnings[1].starts_with("m/a.mtl:6: 'm/b.png' is not a")) << scene.warnings[1];
 }
 
+TEST(OtherPrograms, FacesWithoutTextureCoordinatesOfMaterialsWithImagesAreTold) {
+  const SceneDescription scene =
+      loaded({{"m/a.obj", "mtllib a.mtl\n" + kVertices +
+                              "usemtl b\nf 1 2 3\nusemtl a\nf 1 2 3\nf 2/1 4/2 3/3\n"
+                              "f 1/1 2/2 4\n"},
+              {"m/a.mtl", "newmtl a\nmap_Kd a.png\nnewmtl b\nKd 1 0 0\n"},
+              {"m/a.png", gray_png()}});
+  EXPECT_EQ(
+      scene.warnings,
+      (Strings{"m/a.obj:11: this material has images, and faces of it have no texture coordinates; they "
+               "show a single texel (2 triangles)"}));
+}
+
 TEST(OtherPrograms, TheFirstTileOfAnImageIsUsed) {
   const SceneDescription scene =
       loaded({{"m/a.obj", "mtllib a.mtl\n" + kVertices + "usemtl a\nf 1/1 2/2 3/3\n"},
