@@ -69,6 +69,7 @@ class ObjScanner {
   void library(std::string_view line);
   void unknown(std::string_view keyword);
   void count_face();
+  void settle_alpha();
   void settle_colors();
   Error no_faces() const;
 
@@ -83,6 +84,7 @@ class ObjScanner {
   // Linear colours of "#MRGB" lines: those since the last vertex, and one for each position or fewer. They
   // replace others.
   std::vector<Rgb> polypaint_block_, polypaint_;
+  std::vector<float> fourths_;  // of vertices with colours and seven numbers: the fourth; NaN for others
   bool has_free_form_ = false;
   std::string first_unknown_;  // the first unknown statement
 };
@@ -91,6 +93,7 @@ Result<ObjText> ObjScanner::scan() {
   while (lines_.next()) statement(lines_.line());
   if (obj_.face_count == 0) return fail(no_faces());
   flush_polypaint();
+  settle_alpha();
   settle_colors();
   return std::move(obj_);
 }
@@ -153,6 +156,9 @@ void ObjScanner::color(std::string_view line, const Numbers& numbers, std::span<
   if (obj_.colors.empty() && color == kNoColor) return;
   obj_.colors.resize(obj_.positions.size() - 1, kNoColor);
   obj_.colors.push_back(color);
+  if (numbers.words < 7 || color == kNoColor) return;
+  fourths_.resize(obj_.colors.size() - 1, kNan);
+  fourths_.push_back(values[3]);
 }
 
 // ZBrush writes the colours of the vertices before them as comments.
@@ -235,6 +241,19 @@ void ObjScanner::unknown(std::string_view keyword) {
 
 void ObjScanner::count_face() {
   if (obj_.face_count++ == 0) obj_.first_face_line = lines_.number();
+}
+
+// Of seven numbers the fourth is a weight, or else the last one is an opacity: if that is 1 in all vertices,
+// and the fourth is not.
+void ObjScanner::settle_alpha() {
+  bool has_alpha = false;
+  for (std::size_t i = 0; i < fourths_.size(); ++i) {
+    if (std::isnan(fourths_[i])) continue;
+    if (obj_.colors[i].b != 1) return;
+    has_alpha = has_alpha || fourths_[i] != 1;
+  }
+  for (std::size_t i = 0; has_alpha && i < fourths_.size(); ++i)
+    if (!std::isnan(fourths_[i])) obj_.colors[i] = {fourths_[i], obj_.colors[i].r, obj_.colors[i].g};
 }
 
 // Colours are sRGB-encoded, from 0 to 1 or from 0 to 255.

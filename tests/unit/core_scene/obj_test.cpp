@@ -301,6 +301,17 @@ TEST(Obj, ReadsVertexColors) {
   EXPECT_EQ(file.text.colors[3], Rgb::gray(1));
 }
 
+TEST(Obj, ReadsVertexColorsWithOpacity) {
+  const auto colors = [](const std::string& first, const std::string& second) {
+    return read_text("v 0 0 0 " + first + "\nv 1 0 0 " + second + "\nv 0 1 0\nf 1 2 3\n").text.colors;
+  };
+  EXPECT_EQ(colors("1 0 0 1", "0 1 0 1"), (std::vector<Rgb>{{1, 0, 0}, {0, 1, 0}, Rgb::gray(1)}));
+  EXPECT_EQ(colors("1 0 0 1", "1 1 0 1"), (std::vector<Rgb>{{0, 0, 1}, {1, 0, 1}, Rgb::gray(1)}))
+      << "the fourth number may be a weight";
+  EXPECT_EQ(colors("1 0 0 1", "0 1 0 0"), (std::vector<Rgb>{{0, 0, 1}, {1, 0, 0}, Rgb::gray(1)}))
+      << "the last number is no opacity";
+}
+
 TEST(Obj, ReadsVertexColorsAsDisplaysShowThem) {
   const std::string triangle = "v 1 0 0\nv 0 1 0\nf 1 2 3\n";
   const Rgb half = read_text("v 0 0 0 0.5 1 0\n" + triangle).text.colors[0];
