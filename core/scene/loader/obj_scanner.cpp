@@ -20,9 +20,9 @@ namespace tessera::core {
 namespace {
 
 // Valid statements without effect, and "usemtl" and "s", which the second pass reads.
-constexpr std::array<std::string_view, 18> kIgnored{
-    "usemtl", "s",        "g",        "o",  "l",          "p",         "vp", "vw",     "bevel",
-    "lod",    "c_interp", "d_interp", "mg", "shadow_obj", "trace_obj", "mb", "usemap", "maplib"};
+constexpr std::array<std::string_view, 16> kIgnored{
+    "usemtl", "s",   "g",        "o",        "l",  "p",          "vp",        "vw",
+    "bevel",  "lod", "c_interp", "d_interp", "mg", "shadow_obj", "trace_obj", "mb"};
 constexpr std::array<std::string_view, 20> kFreeForm{
     "cstype", "curv", "curv2", "surf", "bmat", "deg", "step", "parm", "trim", "hole",
     "scrv",   "sp",   "con",   "end",  "bsp",  "bzp", "cdc",  "cdp",  "res",  "ctech"};
@@ -231,6 +231,11 @@ void ObjScanner::unknown(std::string_view keyword) {
   }
   if (keyword == "call")
     return warn("call", [] { return "'call' reads another file, which is not supported; it is ignored"; });
+  if (keyword == "usemap" || keyword == "maplib")
+    return warn(keyword, [&] {
+      return fmt::format("{} names images, which is not supported; name them in an MTL file, as 'map_Kd'",
+                         in_quotes(keyword));
+    });
   if (keyword == "csh")
     return warn("csh", [] { return "'csh' runs a command, which a scene must not; it is ignored"; });
   if (first_unknown_.empty()) first_unknown_ = keyword;

@@ -312,6 +312,13 @@ TEST(Obj, ReadsVertexColorsWithOpacity) {
       << "the last number is no opacity";
 }
 
+TEST(Obj, TellsThatItDoesNotReadImagesOfFaces) {
+  EXPECT_EQ(
+      warnings_of(kFourCorners + "usemap a.png\nf 1 2 3\nusemap b.png\nf 1 2 4\n"),
+      (std::vector<std::string>{"x.obj:5: 'usemap' names images, which is not supported; name them in an "
+                                "MTL file, as 'map_Kd' (2 times)"}));
+}
+
 TEST(Obj, ReadsVertexColorsAsDisplaysShowThem) {
   const std::string triangle = "v 1 0 0\nv 0 1 0\nf 1 2 3\n";
   const Rgb half = read_text("v 0 0 0 0.5 1 0\n" + triangle).text.colors[0];
