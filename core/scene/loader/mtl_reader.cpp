@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "core/base/letter_case.hpp"
 #include "core/scene/loader/mtl_material.hpp"
@@ -115,6 +116,7 @@ class MtlReader {
   std::string_view rest_;
   int line_number_ = 0;
   MtlFile file_;
+  std::set<std::string, std::less<>> names_;
 };
 
 MtlFile MtlReader::read() {
@@ -164,6 +166,9 @@ void MtlReader::new_material(std::string_view line) {
   if (name_without_comment(name).empty())
     return warn("newmtl", [] { return "'newmtl' gives no name; the material is ignored"; });
   material().name = name;
+  if (!names_.emplace(name).second)
+    warn(fmt::format("repeated {}", name),
+         [&] { return fmt::format("the material {} is defined before; this one is used", in_quotes(name)); });
 }
 
 // A single number applies to all three channels.

@@ -112,11 +112,12 @@ void ObjMaterials::tell_missing_uvs(const ObjFile& obj, std::size_t run, std::ui
 // with a comment is first used as written, then without the comment if no other material has that name.
 ObjMaterials::Names ObjMaterials::names_in(const Libraries& libraries) {
   Names names, without_comments;
-  for (const auto& [path, file] : libraries)
-    for (const MtlMaterial& material : file->materials) {
-      names.emplace(material.name, Found{path, &material});
+  for (const auto& [path, file] : libraries) {
+    for (auto material = file->materials.rbegin(); material != file->materials.rend(); ++material)
+      names.emplace(material->name, Found{path, &*material});
+    for (const MtlMaterial& material : file->materials)
       without_comments.emplace(name_without_comment(material.name), Found{path, &material});
-    }
+  }
   names.merge(without_comments);
   return names;
 }

@@ -150,6 +150,13 @@ TEST(OtherPrograms, FacesWithoutTextureCoordinatesOfMaterialsWithImagesAreTold) 
                "show a single texel (2 triangles)"}));
 }
 
+TEST(OtherPrograms, TheLastMaterialOfANameIsUsed) {
+  const SceneDescription scene =
+      loaded({{"m/a.obj", "mtllib a.mtl\n" + kVertices + "usemtl a\nf 1 2 3\n"},
+              {"m/a.mtl", "newmtl a\nKd 1 0 0\nnewmtl b\nKd 1 1 1\nnewmtl a\nKd 0 1 0\n"}});
+  EXPECT_EQ(albedo_of(scene, 0), (Rgb{0, 1, 0}));
+}
+
 TEST(OtherPrograms, TheFirstTileOfAnImageIsUsed) {
   const SceneDescription scene =
       loaded({{"m/a.obj", "mtllib a.mtl\n" + kVertices + "usemtl a\nf 1/1 2/2 3/3\n"},
