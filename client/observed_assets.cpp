@@ -16,8 +16,8 @@ void ObservedAssets::miss(const std::string& path) {
   missing_.emplace(name_of(path), path);
 }
 
-std::vector<std::string> ObservedAssets::find_in_any_case(const std::string& path) {
-  auto found = inner_.find_in_any_case(path);
+std::vector<std::string> ObservedAssets::find_in_any_spelling(const std::string& path) {
+  auto found = inner_.find_in_any_spelling(path);
   if (found.empty()) miss(path);
   return found;
 }

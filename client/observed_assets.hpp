@@ -16,7 +16,7 @@ class ObservedAssets : public core::AssetSource {
   // `inner` must outlive this object.
   explicit ObservedAssets(core::AssetSource& inner) : inner_(inner) {}
   bool exists(const std::string& path) override { return inner_.exists(path); }
-  std::vector<std::string> find_in_any_case(const std::string& path) override;
+  std::vector<std::string> find_in_any_spelling(const std::string& path) override;
   core::Result<std::string> read(const std::string& path) override;
 
   // Sizes in bytes by path.

@@ -75,9 +75,9 @@ bool RecordedAssets::exists(const std::string& path) {
   return is_there;
 }
 
-std::vector<std::string> RecordedAssets::find_in_any_case(const std::string& path) {
+std::vector<std::string> RecordedAssets::find_in_any_spelling(const std::string& path) {
   has_searched_ = true;
-  return inner_.find_in_any_case(path);
+  return inner_.find_in_any_spelling(path);
 }
 
 Result<std::string> RecordedAssets::read(const std::string& path) {

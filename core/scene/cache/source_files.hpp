@@ -35,7 +35,7 @@ class RecordedAssets : public AssetSource {
   RecordedAssets(AssetSource& inner, int threads) : inner_(inner), threads_(threads) {}
 
   bool exists(const std::string& path) override;
-  std::vector<std::string> find_in_any_case(const std::string& path) override;
+  std::vector<std::string> find_in_any_spelling(const std::string& path) override;
   Result<std::string> read(const std::string& path) override;
   SourceFiles files() const;
   // Whether a case-insensitive search took place. The scene then depends on the names of all files in a

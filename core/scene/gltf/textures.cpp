@@ -10,6 +10,7 @@
 #include "core/image/srgb.hpp"
 #include "core/math/elementary.hpp"
 #include "core/scene/gltf/uri.hpp"
+#include "core/scene/loader/file_names.hpp"
 #include "core/scene/loader/wording.hpp"
 #include "core/textures/image_decoder.hpp"
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "core/scene/loader/file_names.hpp"
+
 namespace tessera::core::gltf {
 namespace {
 
@@ -43,13 +45,6 @@ std::optional<std::string> decode_base64(std::string_view text) {
   return bytes;
 }
 
-int hexadecimal(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
-
 }  // namespace
 
 std::optional<std::string> decode_data_uri(std::string_view uri) {
@@ -57,17 +52,6 @@ std::optional<std::string> decode_data_uri(std::string_view uri) {
   if (!is_data_uri(uri) || comma == std::string_view::npos) return std::nullopt;
   const std::string_view data = uri.substr(comma + 1);
   return uri.substr(0, comma).ends_with(";base64") ? decode_base64(data) : decode_percent(data);
-}
-
-std::string decode_percent(std::string_view text) {
-  std::string bytes;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const int high = text[i] == '%' && text.size() - i > 2 ? hexadecimal(text[i + 1]) : -1;
-    const int low = high < 0 ? -1 : hexadecimal(text[i + 2]);
-    if (low >= 0) i += 2;
-    bytes.push_back(low < 0 ? text[i] : static_cast<char>(16 * high + low));
-  }
-  return bytes;
 }
 
 bool has_scheme(std::string_view uri) {

@@ -14,9 +14,6 @@ inline bool is_data_uri(std::string_view uri) {
 // The bytes of a data URI (Masinter 1998), in base64 or percent-encoded; nullopt if it is malformed.
 std::optional<std::string> decode_data_uri(std::string_view uri);
 
-// The text with %XX replaced by bytes (RFC 3986, section 2.1). A '%' without two digits stays.
-std::string decode_percent(std::string_view text);
-
 // Whether the URI names something else than a file by a relative path: "https://...".
 bool has_scheme(std::string_view uri);
 

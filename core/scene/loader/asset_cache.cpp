@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/image/codecs.hpp"
+#include "core/scene/loader/file_names.hpp"
 #include "core/scene/loader/text_lines.hpp"
 #include "core/scene/loader/volume_reader.hpp"
 #include "core/scene/loader/wording.hpp"
@@ -24,6 +25,8 @@ std::vector<std::string> possible_paths(const std::string& written, const std::v
   };
   add(names, std::string(name_without_comment(written)));
   add(names, written.substr(0, written.find(" -")));  // options after the name
+  add(names, decode_percent(written));
+  add(names, windows_1252_as_utf8(written).value_or(""));
   std::vector<std::string> paths;
   for (const std::string& name : names)
     for (const std::string& file : files) add(paths, path_beside(file, name));
@@ -165,7 +168,7 @@ std::optional<std::string> AssetCache::find(const std::string& written,
   for (const std::string& path : paths)
     if (assets_.exists(path)) return path;
   for (const std::string& path : paths)
-    if (auto found = assets_.find_in_any_case(path); found.size() == 1) return std::move(found.front());
+    if (auto found = assets_.find_in_any_spelling(path); found.size() == 1) return std::move(found.front());
   return std::nullopt;
 }
 

@@ -52,8 +52,8 @@ class AssetCache {
   Result<std::shared_ptr<const MtlFile>> mtl(const std::string& path);
 
   // The path under which read() finds a file that another program's file calls `written`. Tries the name as
-  // written, with '/' for '\', then its last component, beside each of `files`; then ignoring case if
-  // exactly one file matches. nullopt if there is none.
+  // written, with %XX as bytes and from Windows-1252, with '/' for '\', then its last component, beside each
+  // of `files`; then in any spelling if exactly one file matches. nullopt if there is none.
   std::optional<std::string> find(const std::string& written, const std::vector<std::string>& files);
   // Adds the pixels of an image to the scene's total, if the limits allow it.
   Status count_pixels(const std::string& path, TextureSize size);

@@ -12,8 +12,8 @@
 #include <new>
 #include <system_error>
 
-#include "core/base/letter_case.hpp"
 #include "core/base/printable.hpp"
+#include "core/scene/loader/file_names.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
@@ -78,7 +78,7 @@ bool is_name(const std::string& path) {
   return !path.empty() && path.find('\0') == std::string::npos;
 }
 
-constexpr std::size_t kMaxFits = 2;  // of find_in_any_case()
+constexpr std::size_t kMaxFits = 2;  // of find_in_any_spelling()
 
 bool is_file(const fs::path& path) {
   std::error_code error;
@@ -92,14 +92,13 @@ std::string without_doubled_slashes(const fs::path& path) {
   return parts.string();
 }
 
-// The paths of `folder`'s entries that match `name` ignoring case.
+// The paths of `folder`'s entries that are called `name` in any spelling.
 void find_entries(const fs::path& root, const fs::path& folder, const std::string& name,
                   std::vector<fs::path>& found) {
   std::error_code error;
-  const std::string wanted = in_lower_case(name);
   for (fs::directory_iterator entry(root / folder, error), end; !error && entry != end;
        entry.increment(error))
-    if (in_lower_case(entry->path().filename().string()) == wanted)
+    if (are_same_names(entry->path().filename().string(), name))
       found.push_back(folder / entry->path().filename());
 }
 
@@ -117,7 +116,7 @@ bool FolderAssets::exists(const std::string& path) {
   return is_name(path) && is_file(fs::path(folder_.empty() ? "." : folder_) / path);
 }
 
-std::vector<std::string> FolderAssets::find_in_any_case(const std::string& path) {
+std::vector<std::string> FolderAssets::find_in_any_spelling(const std::string& path) {
   constexpr std::size_t kMaxFolders = 64;
   const fs::path root = folder_.empty() ? "." : folder_;
   if (!is_name(path)) return {};
@@ -155,14 +154,12 @@ bool BundleAssets::exists(const std::string& path) {
   return names_.contains(path);
 }
 
-std::vector<std::string> BundleAssets::find_in_any_case(const std::string& path) {
-  if (in_lower_case_.empty())
-    for (const std::string& name : names_)
-      if (without_doubled_slashes(name) == name) in_lower_case_[in_lower_case(name)].push_back(name);
-  const auto found = in_lower_case_.find(in_lower_case(without_doubled_slashes(path)));
-  if (found == in_lower_case_.end()) return {};
-  std::vector<std::string> files = found->second;
-  files.resize(std::min(files.size(), kMaxFits));
+std::vector<std::string> BundleAssets::find_in_any_spelling(const std::string& path) {
+  const std::string wanted = without_doubled_slashes(path);
+  std::vector<std::string> files;
+  for (const std::string& name : names_)
+    if (files.size() < kMaxFits && are_same_names(name, wanted) && without_doubled_slashes(name) == name)
+      files.push_back(name);
   return files;
 }
 
@@ -177,8 +174,8 @@ bool RecordingAssets::exists(const std::string& path) {
   return inner_.exists(path);
 }
 
-std::vector<std::string> RecordingAssets::find_in_any_case(const std::string& path) {
-  auto files = inner_.find_in_any_case(path);
+std::vector<std::string> RecordingAssets::find_in_any_spelling(const std::string& path) {
+  auto files = inner_.find_in_any_spelling(path);
   if (files.size() > 1)
     for (const std::string& file : files) static_cast<void>(read(file));
   return files;

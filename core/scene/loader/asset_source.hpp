@@ -5,7 +5,6 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -21,9 +20,9 @@ class AssetSource {
   virtual ~AssetSource() = default;
   // Whether read() has a file with exactly this path.
   virtual bool exists(const std::string& path) { return read(path).has_value(); }
-  // The paths of files that equal `path` ignoring ASCII case. At most two are returned, enough to detect
-  // ambiguity. A source that cannot search returns only `path` itself.
-  virtual std::vector<std::string> find_in_any_case(const std::string& path) {
+  // The paths of files that equal `path` ignoring ASCII case and normalisation (file_names.hpp). At most two
+  // are returned, enough to detect ambiguity. A source that cannot search returns only `path` itself.
+  virtual std::vector<std::string> find_in_any_spelling(const std::string& path) {
     return exists(path) ? std::vector{path} : std::vector<std::string>();
   }
   // The bytes of the file that the scene calls `path` (relative to the scene file). The error names the
@@ -36,7 +35,7 @@ class FolderAssets : public AssetSource {
  public:
   explicit FolderAssets(std::string folder) : folder_(std::move(folder)) {}
   bool exists(const std::string& path) override;
-  std::vector<std::string> find_in_any_case(const std::string& path) override;
+  std::vector<std::string> find_in_any_spelling(const std::string& path) override;
   Result<std::string> read(const std::string& path) override;
 
  private:
@@ -58,23 +57,22 @@ class BundleAssets : public AssetSource {
 
   BundleAssets(std::set<std::string> names, Read read) : names_(std::move(names)), read_(std::move(read)) {}
   bool exists(const std::string& path) override;
-  std::vector<std::string> find_in_any_case(const std::string& path) override;
+  std::vector<std::string> find_in_any_spelling(const std::string& path) override;
   Result<std::string> read(const std::string& path) override;
 
  private:
   std::set<std::string> names_;
   Read read_;
-  std::map<std::string, std::vector<std::string>> in_lower_case_;  // filled by the first search
 };
 
 // Forwards reads and reports each file, so that loading a scene determines the files of its bundle. If
-// several files differ only in case, all are read, so that a search in the bundle has the same result.
+// several files differ only in spelling, all are read, so that a search in the bundle has the same result.
 class RecordingAssets : public AssetSource {
  public:
   using Observer = std::function<void(const std::string& path, const std::string& bytes)>;
   RecordingAssets(AssetSource& inner, Observer on_read) : inner_(inner), on_read_(std::move(on_read)) {}
   bool exists(const std::string& path) override;
-  std::vector<std::string> find_in_any_case(const std::string& path) override;
+  std::vector<std::string> find_in_any_spelling(const std::string& path) override;
   Result<std::string> read(const std::string& path) override;
 
  private:

@@ -49,8 +49,8 @@ class OverriddenAssets : public AssetSource {
   OverriddenAssets(AssetSource& inner, std::string scene_path, std::vector<ParameterOverride> overrides)
       : inner_(inner), scene_path_(std::move(scene_path)), overrides_(std::move(overrides)) {}
   bool exists(const std::string& path) override { return inner_.exists(path); }
-  std::vector<std::string> find_in_any_case(const std::string& path) override {
-    return inner_.find_in_any_case(path);
+  std::vector<std::string> find_in_any_spelling(const std::string& path) override {
+    return inner_.find_in_any_spelling(path);
   }
   Result<std::string> read(const std::string& path) override;
 

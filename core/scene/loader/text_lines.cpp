@@ -36,20 +36,6 @@ std::size_t line_length(std::string_view text) {
   return text.size();
 }
 
-void append_utf8(std::string& text, std::uint32_t code) {
-  const auto continuation = [](std::uint32_t bits) { return static_cast<char>(0x80 | (bits & 0x3f)); };
-  if (code < 0x80) {
-    text += static_cast<char>(code);
-  } else if (code < 0x800) {
-    text += {static_cast<char>(0xc0 | code >> 6), continuation(code)};
-  } else if (code < 0x10000) {
-    text += {static_cast<char>(0xe0 | code >> 12), continuation(code >> 6), continuation(code)};
-  } else {
-    text += {static_cast<char>(0xf0 | code >> 18), continuation(code >> 12), continuation(code >> 6),
-             continuation(code)};
-  }
-}
-
 // RFC 2781, section 2.2. Unpaired surrogates become the replacement character.
 std::string from_utf16(std::string_view bytes, bool big_endian) {
   constexpr std::uint32_t kReplacement = 0xfffd;
@@ -76,6 +62,20 @@ std::string from_utf16(std::string_view bytes, bool big_endian) {
 }
 
 }  // namespace
+
+void append_utf8(std::string& text, std::uint32_t code) {
+  const auto continuation = [](std::uint32_t bits) { return static_cast<char>(0x80 | (bits & 0x3f)); };
+  if (code < 0x80) {
+    text += static_cast<char>(code);
+  } else if (code < 0x800) {
+    text += {static_cast<char>(0xc0 | code >> 6), continuation(code)};
+  } else if (code < 0x10000) {
+    text += {static_cast<char>(0xe0 | code >> 12), continuation(code >> 6), continuation(code)};
+  } else {
+    text += {static_cast<char>(0xf0 | code >> 18), continuation(code >> 12), continuation(code >> 6),
+             continuation(code)};
+  }
+}
 
 std::string_view take_line(std::string_view& text) {
   const std::size_t end = line_length(text);

@@ -37,6 +37,7 @@ class StatementLines {
 std::string_view take_word(std::string_view& line);
 // Removes the byte order mark of UTF-8.
 std::string_view without_byte_order_mark(std::string_view text);
+void append_utf8(std::string& text, std::uint32_t code);
 // Removes a byte order mark. UTF-16 text with a byte order mark is converted, into `converted`.
 std::string_view as_utf8(std::string_view text, std::string& converted);
 // Removes blanks at both ends.

@@ -285,6 +285,14 @@ TEST_F(OtherProgramsInFolder, FilesThatDifferInCaseAloneAreAmbiguous) {
   EXPECT_EQ(textures(), 0u);
 }
 
+TEST_F(OtherProgramsInFolder, FilesAreFoundInOtherSpellings) {
+  for (const std::string name : {"gr\xfcn.png", "gr%C3%BCn.png", "gru\xcc\x88n.png", "GR\xc3\xbcN.png"}) {
+    write("gr\xc3\xbcn.png", gray_png());
+    write("a.mtl", "newmtl a\nKd 1 1 1\nmap_Kd " + name + "\n");
+    EXPECT_EQ(textures(), 1u) << name;
+  }
+}
+
 TEST_F(OtherProgramsInFolder, TheCaseThatIsWrittenComesFirst) {
   write("maps/wood.png", gray_png());
   write("Maps/WOOD.PNG", gray_png());
