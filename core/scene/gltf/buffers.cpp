@@ -64,7 +64,7 @@ std::string Buffers::read_uri(const Value& buffer) {
     if (!bytes) buffer["uri"].refuse("is not a data URI in base64");
     return std::move(*bytes);
   }
-  if (has_scheme(uri)) buffer["uri"].refuse("is not a relative path; save the file with its buffers beside it");
+  if (has_scheme(uri)) buffer["uri"].refuse("is no file; save the file with its buffers beside it");
   SceneBuilder& builder = document_.builder();
   const auto path = builder.find(decode_percent(uri), builder.scene_path());
   if (!path) buffer["uri"].refuse(fmt::format("there is no file {}", in_quotes(uri)), ErrorCode::kNotFound);

@@ -142,7 +142,7 @@ Result<SceneBuilder::Image> Textures::decode(const Value& image, const ImageUse&
     if (!bytes) return mistake("its uri is not a data URI in base64");
     return builder.image_bytes(name, *bytes, use);
   }
-  if (uri.empty() || has_scheme(uri)) return mistake("it names no file by a relative path");
+  if (uri.empty() || has_scheme(uri)) return mistake("it names no file");
   const auto path = builder.find(decode_percent(uri), builder.scene_path());
   if (!path) return fail(ErrorCode::kNotFound, fmt::format("there is no file {}", in_quotes(uri)));
   return builder.image_file(*path, use);

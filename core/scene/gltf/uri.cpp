@@ -55,7 +55,7 @@ std::optional<std::string> decode_data_uri(std::string_view uri) {
 }
 
 bool has_scheme(std::string_view uri) {
-  return uri.find("://") != std::string_view::npos || uri.starts_with("file:");
+  return uri.find("://") != std::string_view::npos && !uri.starts_with("file:");
 }
 
 }  // namespace tessera::core::gltf

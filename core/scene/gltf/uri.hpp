@@ -14,7 +14,7 @@ inline bool is_data_uri(std::string_view uri) {
 // The bytes of a data URI (Masinter 1998), in base64 or percent-encoded; nullopt if it is malformed.
 std::optional<std::string> decode_data_uri(std::string_view uri);
 
-// Whether the URI names something else than a file by a relative path: "https://...".
+// Whether the URI names something else than a file: "https://...".
 bool has_scheme(std::string_view uri);
 
 }  // namespace tessera::core::gltf

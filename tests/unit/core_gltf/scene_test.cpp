@@ -209,6 +209,21 @@ TEST(GltfExtensions, OfImagesThatCannotBeReadCostTheTextures) {
                                              "ignored"));
 }
 
+TEST(GltfUris, OfFilesElsewhereAreSoughtBesideTheScene) {
+  GltfFile file;
+  file.json["images"] = {{{"uri", "file:///C:/My%20Maps/a%20b.png"}}};
+  file.json["textures"] = {{{"source", 0}}};
+  file.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+  file.node({{"mesh", file.triangle(0)}});
+  const auto scene = load_gltf(file.text(), {{"a b.png", test::png(test::one_color(1, 1, Rgb::gray(1)))}});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->textures.size(), 2u) << "with that of the studio";
+  EXPECT_THAT(warnings_of(*scene),
+              HasSubstr("'file:///C:/My Maps/a b.png' does not exist; 'a b.png' is used"));
+  file.json["images"] = {{{"uri", "https://example.org/a b.png"}}};
+  EXPECT_THAT(warnings_of(*load_gltf(file.text())), HasSubstr("it names no file; the texture is ignored"));
+}
+
 TEST(GltfVersion, MayBeShort) {
   GltfFile file = with_triangle();
   file.json["asset"]["version"] = "2";
