@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/loader/polygon.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numeric>
 #include <optional>
 
@@ -45,52 +47,77 @@ std::vector<Point> project(std::span<const Vec3> corners) {
   return points;
 }
 
-// The remaining corners, and those of them that are reflex.
-struct Outline {
-  std::vector<Point> points;
-  std::vector<std::uint32_t> left, reflex;
-
-  Point at(std::size_t i) const { return points[left[i % left.size()]]; }
-  std::size_t before(std::size_t i) const { return (i + left.size() - 1) % left.size(); }
-  std::array<std::uint32_t, 3> triangle(std::size_t i, std::size_t j, std::size_t k) const {
-    return {left[i % left.size()], left[j % left.size()], left[k % left.size()]};
-  }
-  bool is_reflex(std::size_t i) const { return twice_area(at(before(i)), at(i), at(i + 1)) < 0; }
-
-  void find_reflex() {
-    for (std::size_t i = 0; i < left.size(); ++i)
-      if (is_reflex(i)) reflex.push_back(left[i]);
-  }
-  // Its neighbours may become convex.
-  void cut_off(std::size_t ear) {
-    left.erase(left.begin() + static_cast<std::ptrdiff_t>(ear));
-    for (const std::size_t i : {before(ear), ear % left.size()})
-      if (!is_reflex(i)) std::erase(reflex, left[i]);
-  }
-};
-
 bool same(Point a, Point b) {
   return a.x == b.x && a.y == b.y;
 }
 
-// Whether the triangle at corner `i` is an ear: it is convex and contains no reflex corner.
-bool is_ear(const Outline& outline, std::size_t i) {
-  const Point a = outline.at(outline.before(i)), b = outline.at(i), c = outline.at(i + 1);
-  if (!(twice_area(a, b, c) > 0)) return false;
-  for (const std::uint32_t corner : outline.reflex) {
-    const Point p = outline.points[corner];
-    const bool inside = twice_area(a, b, p) >= 0 && twice_area(b, c, p) >= 0 && twice_area(c, a, p) >= 0;
-    if (inside && !same(p, a) && !same(p, b) && !same(p, c)) return false;
+// What is left of a polygon while ears are cut off. A simple polygon has an ear; one that intersects itself
+// or is degenerate may have none.
+class Outline {
+ public:
+  explicit Outline(std::span<const Vec3> corners)
+      : points_(project(corners)), next_(corners.size()), previous_(corners.size()), left_(corners.size()) {
+    std::iota(next_.begin(), next_.end(), 1u);
+    next_.back() = 0;
+    for (std::uint32_t i = 0; i < next_.size(); ++i) previous_[next_[i]] = i;
+    for (std::uint32_t i = 0; i < next_.size(); ++i)
+      if (is_reflex(i)) reflex_.push_back(i);
   }
-  return true;
-}
 
-// The next ear from `start` on. A simple polygon has one; nullopt if it is self-intersecting or degenerate.
-std::optional<std::size_t> find_ear(const Outline& outline, std::size_t start) {
-  for (std::size_t k = 0; k < outline.left.size(); ++k)
-    if (const std::size_t i = (start + k) % outline.left.size(); is_ear(outline, i)) return i;
-  return std::nullopt;
-}
+  std::size_t left() const { return left_; }
+  std::uint32_t first() const { return first_; }
+  std::uint32_t next(std::uint32_t corner) const { return next_[corner]; }
+  std::size_t reflex_count() const { return reflex_.size(); }
+  std::array<std::uint32_t, 3> triangle_at(std::uint32_t corner) const {
+    return {previous_[corner], corner, next_[corner]};
+  }
+
+  // The next ear from `start` on, if there is one. Subtracts the points looked at from `budget`, and ends
+  // when that is used up.
+  std::optional<std::uint32_t> find_ear(std::uint32_t start, std::int64_t& budget) const {
+    std::uint32_t corner = start;
+    for (std::size_t k = 0; k < left_ && budget > 0; ++k, corner = next_[corner])
+      if (is_ear(corner, budget)) return corner;
+    return std::nullopt;
+  }
+  // Its neighbours may become convex.
+  void cut_off(std::uint32_t ear) {
+    const std::uint32_t before = previous_[ear], after = next_[ear];
+    next_[before] = after;
+    previous_[after] = before;
+    --left_;
+    if (ear == first_) first_ = after;
+    for (const std::uint32_t corner : {before, after})
+      if (!is_reflex(corner)) std::erase(reflex_, corner);
+  }
+
+ private:
+  double twice_area_at(std::uint32_t corner) const {
+    return twice_area(points_[previous_[corner]], points_[corner], points_[next_[corner]]);
+  }
+  bool is_reflex(std::uint32_t corner) const { return twice_area_at(corner) < 0; }
+  // Whether the triangle at the corner is convex and contains no reflex corner.
+  bool is_ear(std::uint32_t corner, std::int64_t& budget) const {
+    --budget;
+    if (!(twice_area_at(corner) > 0)) return false;
+    budget -= static_cast<std::int64_t>(reflex_.size());
+    const Point a = points_[previous_[corner]], b = points_[corner], c = points_[next_[corner]];
+    return std::ranges::none_of(reflex_, [&](std::uint32_t other) {
+      const Point p = points_[other];
+      const bool inside = twice_area(a, b, p) >= 0 && twice_area(b, c, p) >= 0 && twice_area(c, a, p) >= 0;
+      return inside && !same(p, a) && !same(p, b) && !same(p, c);
+    });
+  }
+
+  std::vector<Point> points_;
+  std::vector<std::uint32_t> next_, previous_;  // of the corners that are left
+  std::vector<std::uint32_t> reflex_;
+  std::size_t left_;
+  std::uint32_t first_ = 0;
+};
+
+// Of find_ear() for a polygon, which usually looks at each reflex corner a few times for each ear.
+constexpr std::int64_t kMaxPoints = std::int64_t{1} << 28;
 
 }  // namespace
 
@@ -100,21 +127,29 @@ bool triangulate(std::span<const Vec3> corners, std::vector<std::array<std::uint
     triangles.push_back({0, 1, 2});
     return true;
   }
-  Outline outline{project(corners), std::vector<std::uint32_t>(count), {}};
-  std::iota(outline.left.begin(), outline.left.end(), 0u);
-  outline.find_reflex();
-  if (outline.reflex.empty()) {
+  Outline outline(corners);
+  if (outline.reflex_count() == 0) {
     for (std::uint32_t i = 1; i + 1 < count; ++i) triangles.push_back({0, i, i + 1});
     return true;
   }
-  if (count * outline.reflex.size() > kMaxConcaveCorners * kMaxConcaveCorners) return false;
-  std::optional<std::size_t> ear = 0;
-  while (outline.left.size() > 3 && (ear = find_ear(outline, *ear))) {
-    triangles.push_back(outline.triangle(outline.before(*ear), *ear, *ear + 1));
+  if (count * outline.reflex_count() > kMaxConcaveCorners * kMaxConcaveCorners) return false;
+  const std::size_t before = triangles.size();
+  std::int64_t budget = kMaxPoints;
+  std::uint32_t start = 0;
+  while (outline.left() > 3) {
+    const auto ear = outline.find_ear(start, budget);
+    if (!ear) break;
+    triangles.push_back(outline.triangle_at(*ear));
+    start = outline.next(*ear);
     outline.cut_off(*ear);
   }
-  for (std::size_t i = 1; i + 1 < outline.left.size(); ++i)
-    triangles.push_back(outline.triangle(0, i, i + 1));
+  if (budget <= 0) {
+    triangles.resize(before);
+    return false;
+  }
+  const std::uint32_t first = outline.first();
+  for (std::uint32_t i = outline.next(first); outline.next(i) != first; i = outline.next(i))
+    triangles.push_back({first, i, outline.next(i)});
   return true;
 }
 

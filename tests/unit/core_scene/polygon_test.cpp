@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
 
 namespace tessera::core {
 namespace {
@@ -120,6 +121,27 @@ TEST(Triangulate, LimitsTheCostOfConcavePolygons) {
   EXPECT_EQ(triangles.size(), kMaxConcaveCorners - 2);
   EXPECT_FALSE(triangulate(star(2 * always, {}, {1, 0, 0}, {0, 1, 0}, false), triangles));
   EXPECT_EQ(triangles.size(), kMaxConcaveCorners - 2);
+}
+
+// An L whose sides have many corners.
+std::vector<Vec3> finely_divided_l(int corners_of_side) {
+  const Vec3 outline[] = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
+  std::vector<Vec3> corners;
+  for (std::size_t side = 0; side < std::size(outline); ++side)
+    for (int i = 0; i < corners_of_side; ++i) {
+      const Vec3 from = outline[side], to = outline[(side + 1) % std::size(outline)];
+      corners.push_back(from + (to - from) * (static_cast<float>(i) / static_cast<float>(corners_of_side)));
+    }
+  return corners;
+}
+
+TEST(Triangulate, CutsSidesWithManyCorners) {
+  for (const int corners_of_side : {512, 1 << 18}) {
+    const auto corners = finely_divided_l(corners_of_side);
+    const auto [sum, total] = areas(corners, cut(corners));
+    EXPECT_NEAR(sum.z, 3, 1e-3) << corners_of_side;
+    EXPECT_NEAR(total, 3, 1e-3) << corners_of_side;
+  }
 }
 
 }  // namespace
