@@ -38,7 +38,7 @@ class RecordedAssets : public AssetSource {
   std::vector<std::string> find_in_any_spelling(const std::string& path) override;
   Result<std::string> read(const std::string& path) override;
   SourceFiles files() const;
-  // Whether a case-insensitive search took place. The scene then depends on the names of all files in a
+  // Whether a file was searched in any spelling. The scene then depends on the names of all files in a
   // folder, not just on the files that were read.
   bool has_searched() const { return has_searched_; }
   // Whether no file changed between two reads. Otherwise it is unknown which version became part of the

@@ -78,9 +78,9 @@ class SceneBuilder {
   std::string shown(const std::string& path) const;
   // Errors name the path and the reason.
   Result<std::string> read(const std::string& path) { return assets_.read(path); }
-  // The path of the file that `beside` calls `written`: as written, with '/' for '\', its last component, and
-  // then ignoring case. nullopt if there is none. A file of another name is told once, at `place`, or else of
-  // the scene file.
+  // The path of the file that `beside` calls `written`: as written, decoded, with '/' for '\', its last
+  // component, and then in any spelling (file_names.hpp). nullopt if there is none. A file of another name is
+  // told once, at `place`, or else of the scene file.
   std::optional<std::string> find(const std::string& written, const std::string& beside) {
     return find(written, std::vector{beside}, {scene_path_, 0});
   }

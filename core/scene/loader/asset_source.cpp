@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <new>
 #include <system_error>
 
@@ -151,15 +152,19 @@ Result<std::string> FolderAssets::read(const std::string& path) {
 }
 
 bool BundleAssets::exists(const std::string& path) {
-  return names_.contains(path);
+  return names_.contains(printable(path));
 }
 
 std::vector<std::string> BundleAssets::find_in_any_spelling(const std::string& path) {
-  const std::string wanted = without_doubled_slashes(path);
+  if (by_key_.empty())
+    for (const std::string& name : names_)
+      if (without_doubled_slashes(name) == name) by_key_[spelling_key(name)].push_back(name);
+  const std::string wanted = printable(without_doubled_slashes(path));
   std::vector<std::string> files;
-  for (const std::string& name : names_)
-    if (files.size() < kMaxFits && are_same_names(name, wanted) && without_doubled_slashes(name) == name)
-      files.push_back(name);
+  if (const auto found = by_key_.find(spelling_key(wanted)); found != by_key_.end())
+    std::ranges::copy_if(found->second, std::back_inserter(files),
+                         [&](const std::string& name) { return are_same_names(name, wanted); });
+  files.resize(std::min(files.size(), kMaxFits));
   return files;
 }
 

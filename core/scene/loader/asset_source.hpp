@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -63,6 +64,7 @@ class BundleAssets : public AssetSource {
  private:
   std::set<std::string> names_;
   Read read_;
+  std::map<std::string, std::vector<std::string>> by_key_;  // spelling_key(); filled by the first search
 };
 
 // Forwards reads and reports each file, so that loading a scene determines the files of its bundle. If

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/loader/file_names.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -28,6 +29,10 @@ bool is_ascii(char c) {
   return static_cast<unsigned char>(c) < 0x80;
 }
 
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
 bool is_continuation(char c) {
   return (static_cast<unsigned char>(c) & 0xc0) == 0x80;
 }
@@ -43,7 +48,7 @@ std::size_t combining_marks(std::string_view text) {
 
 // The bytes of the ASCII letter with combining marks at the beginning; 0 if there is none.
 std::size_t decomposed_letter(std::string_view text) {
-  if (text.empty() || !is_ascii(text[0])) return 0;
+  if (text.empty() || !is_letter(text[0])) return 0;
   const std::size_t marks = combining_marks(text.substr(1));
   return marks == 0 ? 0 : 1 + marks;
 }
@@ -96,6 +101,16 @@ bool are_same_names(std::string_view a, std::string_view b) {
     b.remove_prefix(1);
   }
   return a.empty() && b.empty();
+}
+
+std::string spelling_key(std::string_view name) {
+  std::string key;
+  while (!name.empty()) {
+    const std::size_t accented = std::max(composed_letter(name), decomposed_letter(name));
+    key += accented > 0 ? std::string(1, '?') : in_lower_case(name.substr(0, 1));
+    name.remove_prefix(std::max<std::size_t>(accented, 1));
+  }
+  return key;
 }
 
 }  // namespace tessera::core

@@ -19,4 +19,7 @@ std::optional<std::string> windows_1252_as_utf8(std::string_view name);
 // is is not compared.
 bool are_same_names(std::string_view a, std::string_view b);
 
+// Equal for names that are the same, and for few others.
+std::string spelling_key(std::string_view name);
+
 }  // namespace tessera::core

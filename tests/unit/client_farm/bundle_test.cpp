@@ -105,7 +105,8 @@ TEST(Bundle, CarriesNamesThatAreNotUtf8) {
   EXPECT_TRUE(blobs.contains("caf\\xe9.png"));
   core::BundleAssets assets = bundle_at(blobs);
   const auto there = core::load_scene(assets, local->bundle.scene_path(), local->bundle.scene_path());
-  EXPECT_TRUE(there) << there.error().message;
+  ASSERT_TRUE(there) << there.error().message;
+  EXPECT_EQ(there->textures.size(), 1u);
 }
 
 TEST(Bundle, RefusesTwoFilesOfOneName) {

@@ -24,6 +24,13 @@ TEST(FileNames, AreTheSameInAnyCaseAndNormalisation) {
   EXPECT_FALSE(are_same_names("gr\xc3\xbcn", "gr\xc3\xb6n"));
   EXPECT_FALSE(are_same_names("gr\xc3\xbcn.png", "gru\xcc\x88n.jpg"));
   EXPECT_FALSE(are_same_names("a", "ab"));
+  EXPECT_FALSE(are_same_names("a/\xcc\x81x", "a\xc3\xa9x")) << "only letters have accents";
+}
+
+TEST(FileNames, HaveOneKeyForAllSpellings) {
+  EXPECT_EQ(spelling_key("Gr\xc3\xbcn.PNG"), spelling_key("gru\xcc\x88n.png"));
+  EXPECT_EQ(spelling_key("a/\xcc\x81"), spelling_key("A/\xcc\x81"));
+  EXPECT_NE(spelling_key("gr\xc3\xbcn.png"), spelling_key("grun.png"));
 }
 
 }  // namespace
