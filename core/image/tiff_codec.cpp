@@ -246,9 +246,9 @@ class DirectReader {
 Result<DecodedImage> read_halves(TiffFile& file, const Layout& layout, bool keep_alpha) {
   auto image = DirectReader<std::uint16_t>(file, layout, keep_alpha).read();
   if (!image) return image;
-  DecodedImage::Floats values;
-  for (const std::uint16_t bits : std::get<DecodedImage::Words>(image->values))
-    values.push_back(imath_half_to_float(bits));
+  const auto& words = std::get<DecodedImage::Words>(image->values);
+  DecodedImage::Floats values(words.size());
+  std::transform(words.begin(), words.end(), values.begin(), imath_half_to_float);
   image->values = std::move(values);
   return image;
 }

@@ -11,12 +11,13 @@ namespace {
 class VertexSplitter {
  public:
   explicit VertexSplitter(MeshDescription& mesh)
-      : mesh_(mesh), has_uv_(mesh.positions.size(), false), next_(mesh.positions.size(), kNone) {
+      : mesh_(mesh), count_(mesh.positions.size()), has_uv_(count_, false), next_(count_, kNone) {
     mesh_.uvs.assign(mesh_.positions.size(), {});
   }
 
+  // A vertex that is not there stays none, whatever copies are added.
   std::uint32_t vertex_with(std::uint32_t vertex, Vec2 uv) {
-    if (vertex >= mesh_.positions.size()) return vertex;
+    if (vertex >= count_) return kNone;
     if (!has_uv_[vertex]) {
       has_uv_[vertex] = true;
       mesh_.uvs[vertex] = uv;
@@ -54,6 +55,7 @@ class VertexSplitter {
   }
 
   MeshDescription& mesh_;
+  std::size_t count_;  // of vertices without the copies
   std::vector<bool> has_uv_;
   std::vector<std::uint32_t> next_;
 };

@@ -17,13 +17,15 @@
 namespace tessera::core {
 namespace {
 
-constexpr std::size_t kStlHeaderBytes = 84, kStlTriangleBytes = 50;
+constexpr std::size_t kStlTextBytes = 80, kStlHeaderBytes = 84, kStlTriangleBytes = 50;
 constexpr std::uint64_t kMinStlShare = 10;   // at least one triangle in this many must be there
 constexpr std::size_t kStlHeadBytes = 4096;  // those that tell text from binary files
 constexpr bool kStlIsSwapped = std::endian::native == std::endian::big;
 
 std::uint64_t stl_triangle_count(std::string_view bytes) {
-  return bytes.size() < kStlHeaderBytes ? 0 : load_ply_value<std::uint32_t>(bytes.data() + 80, kStlIsSwapped);
+  return bytes.size() < kStlHeaderBytes
+             ? 0
+             : load_ply_value<std::uint32_t>(bytes.data() + kStlTextBytes, kStlIsSwapped);
 }
 
 bool is_binary_stl(std::string_view bytes) {
@@ -50,7 +52,7 @@ class PositionIndex {
 
   std::uint32_t number(Vec3 p, std::uint16_t tag = 0) {
     const Vec3 key{p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};  // no negative zeros
-    for (std::size_t i = hash(key) & (slots_.size() - 1);; i = (i + 1) & (slots_.size() - 1)) {
+    for (std::size_t i = hash(key, tag) & (slots_.size() - 1);; i = (i + 1) & (slots_.size() - 1)) {
       if (slots_[i] == kEmpty) {
         slots_[i] = static_cast<std::uint32_t>(positions_.size());
         positions_.push_back(key);
@@ -73,10 +75,10 @@ class PositionIndex {
             std::bit_cast<std::uint32_t>(p.z)};
   }
   static bool equal(Vec3 a, Vec3 b) { return bits(a) == bits(b); }
-  static std::size_t hash(Vec3 p) {
+  static std::size_t hash(Vec3 p, std::uint16_t tag) {
     const auto [x, y, z] = bits(p);
     std::uint64_t h = (x | std::uint64_t{y} << 32) * 0x9e3779b97f4a7c15u;
-    h = (h ^ h >> 32 ^ z) * 0xd6e8feb86659fd93u;
+    h = (h ^ h >> 32 ^ (z | std::uint64_t{tag} << 32)) * 0xd6e8feb86659fd93u;
     return h ^ h >> 32;
   }
 
@@ -96,9 +98,10 @@ Status check_stl_count(std::uint64_t count, const SceneLimit& limit) {
 // The attribute bytes of each triangle.
 std::vector<std::uint16_t> stl_attributes(std::string_view bytes, std::uint64_t count) {
   std::vector<std::uint16_t> attributes(count);
-  const char* at = bytes.data() + kStlHeaderBytes + kStlTriangleBytes - sizeof(std::uint16_t);
-  for (std::uint64_t i = 0; i < count; ++i)
-    attributes[i] = load_ply_value<std::uint16_t>(at + kStlTriangleBytes * i, kStlIsSwapped);
+  const char* at = bytes.data() + kStlHeaderBytes;
+  for (std::uint64_t i = 0; i < count; ++i, at += kStlTriangleBytes)
+    attributes[i] =
+        load_ply_value<std::uint16_t>(at + kStlTriangleBytes - sizeof(std::uint16_t), kStlIsSwapped);
   return attributes;
 }
 
@@ -118,7 +121,7 @@ Result<MeshFile> read_binary_stl(std::string_view bytes, const SceneLimit& limit
   file.mesh.positions.reserve(count / 2);
   PositionIndex index(file.mesh.positions, 3 * count);
   const std::vector<std::uint16_t> attributes = stl_attributes(bytes, count);
-  const auto colors = stl_colors(bytes.substr(0, kStlHeaderBytes), attributes);
+  const auto colors = stl_colors(bytes.substr(0, kStlTextBytes), attributes);
   const char* at = bytes.data() + kStlHeaderBytes;
   for (std::uint64_t i = 0; i < count; ++i, at += kStlTriangleBytes) {
     const auto corner = [&](std::size_t k) {
