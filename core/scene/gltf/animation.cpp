@@ -20,9 +20,10 @@ namespace {
 // More than any mesh has morph targets; many nodes can refer to one accessor of millions of numbers.
 constexpr std::size_t kMaxWeights = 4096;
 
-// What glTF forbids of an animation of a node's `path`.
+// What glTF forbids of an animation of a node's `path`. Looks at `rotations` keyframes at most, and takes
+// their number off: many channels can refer to one accessor.
 void tell_mistakes(const Document& document, const Value& node, std::string_view path,
-                   const KeyframeSampler& sampler, const Value& output) {
+                   const KeyframeSampler& sampler, const Value& output, std::size_t& rotations) {
   if (path == "weights") {
     const Value meshes = document.root()["meshes"];
     const auto mesh = node["mesh"].as_whole();
@@ -33,7 +34,7 @@ void tell_mistakes(const Document& document, const Value& node, std::string_view
     document.warn(node, "animated matrix",
                   "is animated and has a matrix; its translation, rotation and scale replace the matrix");
   if (path != "rotation") return;
-  for (std::size_t i = 0; i < sampler.keyframes(); ++i)
+  for (std::size_t i = 0; i < sampler.keyframes() && rotations > 0; ++i, --rotations)
     tell_odd_rotation(document, output, sampler.value_of(i));
 }
 
@@ -86,7 +87,7 @@ void NodeAnimation::add_channel(const Document& document, Accessors& accessors, 
   if (is_weights) sampler.split_weights();
   if (sampler.empty())
     return document.warn(sampler_value, "animation without keyframes", "has no keyframes; it is ignored");
-  tell_mistakes(document, animated, path, sampler, sampler_value["output"]);
+  tell_mistakes(document, animated, path, sampler, sampler_value["output"], rotations_to_check_);
   channels_.push_back({static_cast<std::size_t>(node.whole()), path, std::move(sampler)});
 }
 

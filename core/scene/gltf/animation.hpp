@@ -3,6 +3,7 @@
 // Not thread-safe; functions throw Refusals.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/math/vec3.hpp"
@@ -37,6 +38,7 @@ class NodeAnimation {
                    const Value& channel);
 
   std::vector<Channel> channels_;
+  std::size_t rotations_to_check_ = 1 << 20;  // keyframes
 };
 
 // The time of the last keyframe of all parameters, as the file says: "max" of their times.

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace tessera::core::gltf {
@@ -12,13 +11,10 @@ namespace {
 // That of Khronos' glTF-Validator, which allows for quaternions of four signed bytes.
 constexpr float kUnitTolerance = 0.00769f;
 
-// The primitives of a mesh should have the same number.
+// All primitives of a mesh must have the same number.
 std::size_t morph_targets_of(const Value& mesh) {
   const Value primitives = mesh["primitives"];
-  std::size_t most = 0;
-  for (std::size_t i = 0; i < primitives.size(); ++i)
-    most = std::max(most, primitives.at(i)["targets"].size());
-  return most;
+  return primitives.size() == 0 ? 0 : primitives.at(0)["targets"].size();
 }
 
 }  // namespace
