@@ -61,7 +61,7 @@ Digests digests_without_names(core::SceneDescription& scene) {
   return {core::digest_of(scene), core::digests_of_materials(scene)};
 }
 
-// The first material that differs; "a material or a medium" if it is something else of these.
+// Names the first material that differs. If there is none, a medium or an animation does.
 std::string material_that_differs(const Digests& a, const Digests& b, const std::vector<std::string>& names) {
   const std::size_t count = std::min({a.materials.size(), b.materials.size(), names.size()});
   for (std::size_t i = 0; i < count; ++i)

@@ -167,8 +167,9 @@ void MtlReader::new_material(std::string_view line) {
     return warn("newmtl", [] { return "'newmtl' gives no name; the material is ignored"; });
   material().name = name;
   if (!names_.emplace(name).second)
-    warn(fmt::format("repeated {}", name),
-         [&] { return fmt::format("the material {} is defined before; this one is used", in_quotes(name)); });
+    warn(fmt::format("repeated {}", name), [&] {
+      return fmt::format("the material {} is defined again; the last one is used", in_quotes(name));
+    });
 }
 
 // A single number applies to all three channels.

@@ -102,10 +102,12 @@ void ObjMaterials::tell_missing_uvs(const ObjFile& obj, std::size_t run, std::ui
   for (std::size_t t = obj.runs[run].first_triangle; t < end_of_run(obj, run); ++t)
     missing += uvs.empty() || uvs[3 * t] < 0 || uvs[3 * t + 1] < 0 || uvs[3 * t + 2] < 0 ? 1 : 0;
   if (missing == 0) return;
-  const auto text = [] {
-    return "this material has images, and faces of it have no texture coordinates; they show a single texel";
+  const std::string& name = scene_.materials[material].name;
+  const auto text = [&] {
+    return fmt::format("{} has images, and faces of it have no texture coordinates; they show a single texel",
+                       in_quotes(name));
   };
-  warn(obj_, "no uvs", obj.material_lines[obj.runs[run].material], text, missing, "triangles");
+  warn(obj_, "no uvs " + name, obj.material_lines[obj.runs[run].material], text, missing, "triangles");
 }
 
 // Among equal names of a file the last wins, and among those of several files the first. A name that may end
@@ -113,10 +115,10 @@ void ObjMaterials::tell_missing_uvs(const ObjFile& obj, std::size_t run, std::ui
 ObjMaterials::Names ObjMaterials::names_in(const Libraries& libraries) {
   Names names, without_comments;
   for (const auto& [path, file] : libraries) {
-    for (auto material = file->materials.rbegin(); material != file->materials.rend(); ++material)
+    for (auto material = file->materials.rbegin(); material != file->materials.rend(); ++material) {
       names.emplace(material->name, Found{path, &*material});
-    for (const MtlMaterial& material : file->materials)
-      without_comments.emplace(name_without_comment(material.name), Found{path, &material});
+      without_comments.emplace(name_without_comment(material->name), Found{path, &*material});
+    }
   }
   names.merge(without_comments);
   return names;
@@ -162,7 +164,7 @@ void ObjMaterials::tell_other_name(const std::string& file, int line, const std:
                                    const std::string& expected, const std::string& found) {
   if (found == expected || path_beside(file, std::string(name_without_comment(written))) == found) return;
   // An image is loaded twice, for colour and for alpha, but reported once.
-  if (!told_names_.emplace(file, line).second) return;
+  if (!told_names_.emplace(file, written).second) return;
   warn(file, "other name", line,
        [&] { return fmt::format("{} does not exist; {} is used", in_quotes(written), in_quotes(found)); });
 }
@@ -232,9 +234,8 @@ Result<ObjMaterials::Image> ObjMaterials::load(const MtlMaterial::Map& map,
   if (!path) {
     warn(library_, "missing image " + map->file, map->line, [&] {
       return fmt::format(
-          "{} does not exist, and neither does a file of this name beside the {} file; the map "
-          "is ignored",
-          in_quotes(map->file), library_ == obj_ ? "PLY" : "MTL");
+          "{} does not exist, and neither does a file of this name beside the file; the map is ignored",
+          in_quotes(map->file));
     });
     return nullptr;
   }

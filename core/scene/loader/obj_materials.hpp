@@ -94,7 +94,7 @@ class ObjMaterials {
   std::string obj_, library_;  // the files whose materials are being added
   bool tells_ = true;
   std::set<std::string> told_;                                          // OBJ files
-  std::set<std::pair<std::string, int>> told_names_;                    // files and lines
+  std::set<std::pair<std::string, std::string>> told_names_;            // files, and names in them
   std::map<std::pair<std::string, std::string>, std::uint32_t> known_;  // by library and name
   std::map<Image, Image> clamped_;              // images of reflectances with values above 1
   std::map<bool, std::uint32_t> defaults_;      // for meshes without and with vertex colours

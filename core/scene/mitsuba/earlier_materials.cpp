@@ -28,11 +28,12 @@ void warn_of_nearest(const Plugin& bsdf, std::string_view nearest) {
 std::vector<float> shares_of(const Plugin& mixture, std::size_t count) {
   const auto numbers = parse_numbers(mixture.text("weights").value_or(""));
   std::vector<float> shares(count, 1 / static_cast<float>(count));
-  if (numbers && numbers->size() == count)
+  const auto is_finite = [](double weight) { return std::isfinite(weight); };
+  if (numbers && numbers->size() == count && std::ranges::all_of(*numbers, is_finite))
     std::transform(numbers->begin(), numbers->end(), shares.begin(),
                    [](double weight) { return std::max(static_cast<float>(weight), 0.0f); });
   else
-    mixture.warn("'weights' has not as many numbers as there are BSDFs; all have the same weight");
+    mixture.warn("'weights' has not as many finite numbers as there are BSDFs; all have the same weight");
   const float sum = std::accumulate(shares.begin(), shares.end(), 0.0f);
   if (sum > 1)
     for (float& share : shares) share /= sum;

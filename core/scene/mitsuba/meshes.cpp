@@ -109,7 +109,8 @@ void give_barycentric_uvs(const Plugin& shape, ShapeMesh& made) {
   constexpr CornerUvs kBarycentric{Vec2{0, 0}, {1, 0}, {0, 1}};
   if (!names_only_vertices(made.mesh))
     return shape.warn(
-        "has neither texture coordinates nor a vertex for each corner; its images are not shown");
+        "has no texture coordinates, and a triangle names a vertex that is not there; its images are not "
+        "shown");
   for (MeshAttribute& attribute : made.attributes)
     if (!attribute.of_triangles) give_to_corners(attribute.values, made.mesh);
   give_corner_uvs(made.mesh, kBarycentric);

@@ -128,7 +128,7 @@ TEST(BareMesh, TellsWhichImagesItDoesNotShow) {
   EXPECT_THAT(
       missing.warnings,
       ElementsAre("m/scan.ply: 'gone.jpg' does not exist, and neither does a file of this name beside "
-                  "the PLY file; the map is ignored"));
+                  "the file; the map is ignored"));
   EXPECT_THAT(textured(textured_ply("comment TextureFile a.png\n", "property float q\nproperty float p\n"))
                   .warnings.back(),
               "m/scan.ply: has no texture coordinates for the image 'a.png'; it is ignored");

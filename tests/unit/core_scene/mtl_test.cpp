@@ -131,7 +131,7 @@ TEST(MtlReader, TellsWhatItDoesNotTakeAsWritten) {
       {"newmtl a\nKd 1 1 1.5\n", "2: 'Kd' must be 3 numbers between 0 and 1, got '1 1 1.5'; it is clamped"},
       {"newmtl a\nTr 1\nnewmtl b\n",
        "3: 'Tr 1' without 'd' would hide all of the material 'a'; it is taken for opaque"},
-      {"newmtl a\nnewmtl b\nnewmtl a\n", "3: the material 'a' is defined before; this one is used"},
+      {"newmtl a\nnewmtl b\nnewmtl a\n", "3: the material 'a' is defined again; the last one is used"},
       {"newmtl a\nd 2\n", "2: 'd' must be a number between 0 and 1, got '2'; 1 is used"},
       {"newmtl a\nNi -1\n", "2: 'Ni' must be a number between 0 and 10, got '-1'; the default is used"},
       {"newmtl a\nillum\n", "2: 'illum' must be a number between 0 and 10, got ''; the default is used"},

@@ -133,7 +133,7 @@ TEST(OtherPrograms, MissingAndBrokenImagesCostTheTextureOnly) {
   ASSERT_EQ(scene.warnings.size(), 2u);
   EXPECT_EQ(scene.warnings[0],
             "m/a.mtl:3: 'gone.png' does not exist, and neither does a file of this name beside "
-            "the MTL file; the map is ignored");
+            "the file; the map is ignored");
   EXPECT_TRUE(scene.warnings[1].starts_with("m/a.mtl:6: 'm/b.png' is not a")) << scene.warnings[1];
 }
 
@@ -144,10 +144,9 @@ TEST(OtherPrograms, FacesWithoutTextureCoordinatesOfMaterialsWithImagesAreTold) 
                               "f 1/1 2/2 4\n"},
               {"m/a.mtl", "newmtl a\nmap_Kd a.png\nnewmtl b\nKd 1 0 0\n"},
               {"m/a.png", gray_png()}});
-  EXPECT_EQ(
-      scene.warnings,
-      (Strings{"m/a.obj:11: this material has images, and faces of it have no texture coordinates; they "
-               "show a single texel (2 triangles)"}));
+  EXPECT_EQ(scene.warnings,
+            (Strings{"m/a.obj:11: 'm/a.mtl: a' has images, and faces of it have no texture coordinates; they "
+                     "show a single texel (2 triangles)"}));
 }
 
 TEST(OtherPrograms, TheLastMaterialOfANameIsUsed) {
@@ -168,7 +167,7 @@ TEST(OtherPrograms, TheFirstTileOfAnImageIsUsed) {
       (Strings{"m/a.mtl:2: 'a.<UDIM>.png' stands for the tiles of an image, which are not supported; tile "
                "1001 is used for all (2 times)",
                "m/a.mtl:3: 'b.u1_v1.png' does not exist, and neither does a file of this name beside the "
-               "MTL file; the map is ignored"}));
+               "file; the map is ignored"}));
 }
 
 TEST(OtherPrograms, EachImageThatCannotBeUsedIsTold) {

@@ -95,7 +95,7 @@ TEST(MitsubaEarlierBsdf, MixturesAreBlends) {
   EXPECT_EQ(albedo(dark, inner.second), Rgb{});
   const SceneDescription equal = with_bsdf("mixturebsdf", weights("1") + kRed + kBlue);
   EXPECT_FLOAT_EQ(last_model<Blend>(equal).weight.value, 0.5f);
-  EXPECT_THAT(warnings_of(equal), HasSubstr("'weights' has not as many numbers as there are BSDFs"));
+  EXPECT_THAT(warnings_of(equal), HasSubstr("'weights' has not as many finite numbers as there are BSDFs"));
 }
 
 TEST(MitsubaEarlierBsdf, OldNamesAreUpgraded) {
