@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -12,15 +10,13 @@
 #include "core/scene/loader/obj_reader.hpp"
 #include "core/scene/loader/ply_corner_uvs.hpp"
 #include "core/scene/loader/ply_header.hpp"
+#include "core/scene/loader/ply_triangles.hpp"
 #include "core/scene/loader/ply_values.hpp"
 #include "core/scene/loader/ply_vertex_property.hpp"
-#include "core/scene/loader/polygon.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
 namespace {
-
-constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
 bool is_index_list(const PlyProperty& property) {
   return property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index");
@@ -54,17 +50,8 @@ class PlyReader {
   Status read_faces(const PlyElement& element);
   // The scalars of the row, and the corners of its face.
   void read_face(const PlyElement& element);
-  Status add_face();
-  Status add_polygon();
-  // `why()` describes the current face.
-  template <typename Why>
-  void leave_out(std::string_view kind, const Why& why);
-  // By the numbers of corners within the face.
-  Status add_face_triangle(const std::array<std::uint32_t, 3>& corners);
-  Status add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
   void add_triangle_attributes(const PlyElement& element, std::size_t triangles_before);
   Status read_strips(const PlyElement& element);
-  Status add_strip();
   void read_corners(const PlyProperty& property);
   // The list of one number for each triangle that gets the values of a property of faces; null if none does.
   std::vector<std::uint32_t>* numbers_of(const PlyProperty& property);
@@ -78,7 +65,7 @@ class PlyReader {
   std::optional<std::size_t> settle_attribute(const PlyElement& element, const PlyProperty& property,
                                               bool of_triangles);
   std::uint32_t vertex_index(std::int64_t written) const {
-    return written < 0 || written >= kNoVertex ? kNoVertex : static_cast<std::uint32_t>(written);
+    return written < 0 || written >= kNoPlyVertex ? kNoPlyVertex : static_cast<std::uint32_t>(written);
   }
   Status check_rows(const PlyElement& element) const;
   static tl::unexpected<Error> broken(std::string_view what) {
@@ -96,18 +83,14 @@ class PlyReader {
   MeshAttributes attributes_;
   MeshFile file_;
   PlyCornerUvs corner_uvs_;
+  PlyTriangles triangles_{file_, corner_uvs_, limit_};
   bool has_vertices_ = false, has_materials_ = false, has_image_numbers_ = false;
   bool has_wrong_count_ = false;  // a row has more corners than the file
-  std::string first_left_out_;    // of the faces: which, and why
   // Faces that stand before the vertices, and where their rows begin.
   std::vector<std::pair<const PlyElement*, PlyValues>> before_vertices_;
   // Of one face; the lists are kept to reuse their memory.
-  std::uint64_t row_number_ = 0;   // from 1, within its element
-  std::int64_t corner_count_ = 0;  // as written
-  std::vector<std::uint32_t> corners_;
-  std::vector<float> row_;  // one for each property
-  std::vector<Vec3> outline_;
-  std::vector<std::array<std::uint32_t, 3>> polygon_;
+  PlyRow row_;
+  std::vector<float> scalars_;                               // one for each property
   std::vector<std::optional<std::size_t>> face_attributes_;  // one for each property of the faces
 };
 
@@ -120,10 +103,10 @@ Result<MeshFile> PlyReader::read() {
     if (auto done = read_rows(*element); !done) return fail(done.error());
   }
   if (file_.mesh.triangles.empty())
-    return fail(ErrorCode::kInvalidArgument,
-                first_left_out_.empty()
-                    ? "has no faces; clouds of points cannot be rendered"
-                    : fmt::format("has no face that can be used; the first: {}", first_left_out_));
+    return fail(ErrorCode::kInvalidArgument, triangles_.first_left_out().empty()
+                                                 ? "has no faces; clouds of points cannot be rendered"
+                                                 : fmt::format("has no face that can be used; the first: {}",
+                                                               triangles_.first_left_out()));
   const std::size_t triangles = file_.mesh.triangles.size();
   file_.mesh.triangle_materials.resize(has_materials_ ? triangles : 1);
   file_.triangle_images.resize(has_image_numbers_ ? triangles : 0);
@@ -137,8 +120,8 @@ Status PlyReader::read_rows(const PlyElement& element) {
   if (auto done = read_element(element); !done) return done;
   if (!values_.failed()) return {};
   if (has_wrong_count_)
-    return broken(fmt::format("it ends in row {} of {}, which says that it has {} corners", row_number_,
-                              in_quotes(element.name), corner_count_));
+    return broken(fmt::format("it ends in row {} of {}, which says that it has {} corners", row_.number,
+                              in_quotes(element.name), row_.corner_count));
   return broken(values_.is_binary() || values_.bytes_left() == 0
                     ? fmt::format("it ends among the rows of {}", in_quotes(element.name))
                     : fmt::format("a row of {} has something else than numbers", in_quotes(element.name)));
@@ -264,22 +247,22 @@ void PlyReader::skip_rows(const PlyElement& element) {
 }
 
 void PlyReader::read_corners(const PlyProperty& property) {
-  corners_.clear();
-  corner_count_ = values_.next_integer(property.count_type);
-  if (corner_count_ <= 0) return;
+  row_.corners.clear();
+  row_.corner_count = values_.next_integer(property.count_type);
+  if (row_.corner_count <= 0) return;
   const std::size_t value_size = values_.is_binary() ? size_of(property.type) : 1;
-  if (!values_.may_follow(static_cast<std::uint64_t>(corner_count_), value_size)) {
-    values_.skip(property.type, static_cast<std::uint64_t>(corner_count_));  // fails
+  if (!values_.may_follow(static_cast<std::uint64_t>(row_.corner_count), value_size)) {
+    values_.skip(property.type, static_cast<std::uint64_t>(row_.corner_count));  // fails
     has_wrong_count_ = true;
     return;
   }
-  for (std::int64_t i = 0; i < corner_count_; ++i)
-    corners_.push_back(vertex_index(values_.next_integer(property.type)));
+  for (std::int64_t i = 0; i < row_.corner_count; ++i)
+    row_.corners.push_back(vertex_index(values_.next_integer(property.type)));
 }
 
 Status PlyReader::read_faces(const PlyElement& element) {
   file_.mesh.triangles.reserve(std::min<std::uint64_t>(element.count, limit_.most));
-  row_.resize(element.properties.size());
+  scalars_.resize(element.properties.size());
   face_attributes_.clear();
   for (const PlyProperty& property : element.properties) {
     const auto* numbers = numbers_of(property);
@@ -290,10 +273,10 @@ Status PlyReader::read_faces(const PlyElement& element) {
   }
   for (std::uint64_t row = 0; row < element.count && !values_.failed(); ++row) {
     const std::size_t before = file_.mesh.triangles.size();
-    row_number_ = row + 1;
+    row_.number = row + 1;
     read_face(element);
     if (values_.failed()) return {};
-    if (auto added = add_face(); !added) return added;
+    if (auto added = triangles_.add_face(row_); !added) return added;
     add_triangle_attributes(element, before);
   }
   return {};
@@ -316,73 +299,8 @@ void PlyReader::read_face(const PlyElement& element) {
     else if (property.is_list)
       skip_property(property);
     else
-      row_[i] = values_.next_float(property.type);
+      scalars_[i] = values_.next_float(property.type);
   }
-}
-
-template <typename Why>
-void PlyReader::leave_out(std::string_view kind, const Why& why) {
-  const auto text = [&] { return fmt::format("face {} {}", row_number_, why()); };
-  if (first_left_out_.empty()) first_left_out_ = text();
-  warn(
-      kind, [&] { return text() + "; it is left out"; }, 1, "faces");
-}
-
-Status PlyReader::add_face() {
-  if (corner_uvs_.corner_count() > 0 && corner_uvs_.corner_count() < corners_.size())
-    warn(
-        "texcoord",
-        [&] {
-          return fmt::format("face {} has {} texture coordinates for {} corners; the others are 0 0",
-                             row_number_, corner_uvs_.corner_count(), corners_.size());
-        },
-        1, "faces");
-  const std::size_t vertices = file_.mesh.positions.size();
-  const auto missing =
-      std::ranges::find_if(corners_, [&](std::uint32_t corner) { return corner >= vertices; });
-  if (corners_.size() < 3) {
-    leave_out("corners", [&] { return fmt::format("must have at least 3 corners, got {}", corner_count_); });
-  } else if (missing != corners_.end()) {
-    leave_out("missing vertex", [&] {
-      return fmt::format("names a vertex that is not there: the file has {}, counted from 0", vertices);
-    });
-  } else if (corners_.size() > 3) {
-    return add_polygon();
-  } else {
-    return add_face_triangle({0, 1, 2});
-  }
-  return {};
-}
-
-Status PlyReader::add_polygon() {
-  outline_.clear();
-  for (const std::uint32_t corner : corners_) outline_.push_back(file_.mesh.positions[corner]);
-  polygon_.clear();
-  if (!triangulate(outline_, polygon_)) {
-    leave_out("concave", [this] {
-      return fmt::format("has {} corners and too many notches; split it", corners_.size());
-    });
-    return {};
-  }
-  for (const auto& triangle : polygon_)
-    if (auto added = add_face_triangle(triangle); !added) return added;
-  return {};
-}
-
-Status PlyReader::add_face_triangle(const std::array<std::uint32_t, 3>& corners) {
-  const auto& [a, b, c] = corners;
-  corner_uvs_.add_triangle(file_.mesh.triangles.size(), corners);
-  return add_triangle(corners_[a], corners_[b], corners_[c]);
-}
-
-Status PlyReader::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-  if (file_.mesh.triangles.size() >= std::min<std::uint64_t>(limit_.most, kMaxObjTriangles))
-    return fail(ErrorCode::kResourceExhausted,
-                fmt::format("has more than the {} triangles that a scene may have here{}",
-                            std::min<std::uint64_t>(limit_.most, kMaxObjTriangles),
-                            limit_.option.empty() ? "" : fmt::format(" ({})", limit_.option)));
-  file_.mesh.triangles.push_back({a, b, c});
-  return {};
 }
 
 // Triangles of other elements, which lack them, have zeros.
@@ -392,10 +310,10 @@ void PlyReader::add_triangle_attributes(const PlyElement& element, std::size_t t
     if (face_attributes_[i]) {
       auto& values = file_.attributes[*face_attributes_[i]].values;
       values.resize(triangles_before);
-      values.insert(values.end(), more, row_[i]);
+      values.insert(values.end(), more, scalars_[i]);
     } else if (auto* numbers = numbers_of(element.properties[i])) {
       constexpr float kMaxIndex = 1 << 24;
-      const float index = row_[i] >= 0 && row_[i] < kMaxIndex ? row_[i] : kMaxIndex;
+      const float index = scalars_[i] >= 0 && scalars_[i] < kMaxIndex ? scalars_[i] : kMaxIndex;
       numbers->resize(triangles_before);
       numbers->insert(numbers->end(), more, static_cast<std::uint32_t>(index));
     }
@@ -404,30 +322,14 @@ void PlyReader::add_triangle_attributes(const PlyElement& element, std::size_t t
 
 Status PlyReader::read_strips(const PlyElement& element) {
   for (std::uint64_t row = 0; row < element.count && !values_.failed(); ++row) {
-    row_number_ = row + 1;
+    row_.number = row + 1;
     for (const PlyProperty& property : element.properties) {
       if (is_index_list(property))
         read_corners(property);
       else
         skip_property(property);
     }
-    if (auto added = add_strip(); !added) return added;
-  }
-  return {};
-}
-
-// A negative index begins another strip. Every second triangle is turned around.
-Status PlyReader::add_strip() {
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i < corners_.size(); ++i) {
-    if (corners_[i] == kNoVertex) {
-      begin = i + 1;
-    } else if (i >= begin + 2) {
-      const bool is_turned = (i - begin) % 2 != 0;
-      const auto added =
-          add_triangle(corners_[is_turned ? i - 1 : i - 2], corners_[is_turned ? i - 2 : i - 1], corners_[i]);
-      if (!added) return added;
-    }
+    if (auto added = triangles_.add_strips(row_.corners); !added) return added;
   }
   return {};
 }
