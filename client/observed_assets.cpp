@@ -16,12 +16,6 @@ void ObservedAssets::miss(const std::string& path) {
   missing_.emplace(name_of(path), path);
 }
 
-std::vector<std::string> ObservedAssets::find_in_any_spelling(const std::string& path) {
-  auto found = inner_.find_in_any_spelling(path);
-  if (found.empty()) miss(path);
-  return found;
-}
-
 core::Result<std::string> ObservedAssets::read(const std::string& path) {
   auto bytes = inner_.read(path);
   if (bytes)

@@ -16,7 +16,10 @@ class ObservedAssets : public core::AssetSource {
   // `inner` must outlive this object.
   explicit ObservedAssets(core::AssetSource& inner) : inner_(inner) {}
   bool exists(const std::string& path) override { return inner_.exists(path); }
-  std::vector<std::string> find_in_any_spelling(const std::string& path) override;
+  std::vector<std::string> find_in_any_spelling(const std::string& path) override {
+    return inner_.find_in_any_spelling(path);
+  }
+  void miss(const std::string& path) override;
   core::Result<std::string> read(const std::string& path) override;
 
   // Sizes in bytes by path.
@@ -25,8 +28,6 @@ class ObservedAssets : public core::AssetSource {
   std::vector<std::string> missing() const;
 
  private:
-  void miss(const std::string& path);
-
   core::AssetSource& inner_;
   std::map<std::string, std::uint64_t> files_;
   std::map<std::string, std::string> missing_;  // the first path by the name without folders

@@ -169,6 +169,7 @@ std::optional<std::string> AssetCache::find(const std::string& written,
     if (assets_.exists(path)) return path;
   for (const std::string& path : paths)
     if (auto found = assets_.find_in_any_spelling(path); found.size() == 1) return std::move(found.front());
+  if (!paths.empty()) assets_.miss(paths.front());
   return std::nullopt;
 }
 

@@ -26,6 +26,8 @@ class AssetSource {
   virtual std::vector<std::string> find_in_any_spelling(const std::string& path) {
     return exists(path) ? std::vector{path} : std::vector<std::string>();
   }
+  // Called when a file was searched by all names that `path` may stand for, and there is none.
+  virtual void miss(const std::string& path) { static_cast<void>(path); }
   // The bytes of the file that the scene calls `path` (relative to the scene file). The error names the
   // path and the reason.
   virtual Result<std::string> read(const std::string& path) = 0;

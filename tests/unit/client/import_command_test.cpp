@@ -82,6 +82,14 @@ TEST_F(ImportAndInfo, InfoTellsWhatIsInAScene) {
   EXPECT_THAT(run_tessera({"info", path("mesh.ply")}).out, HasSubstr("triangles   1 stored"));
 }
 
+TEST_F(ImportAndInfo, InfoListsEachMissingFileOnceByTheNameThatIsWritten) {
+  write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
+  write("a.mtl", "newmtl m\nKd 1 1 1\nmap_Kd my%20tex.pfm\nmap_Ks gone%20tex.pfm\n");
+  write("My Tex.pfm", "PF\n1 1\n-1\n" + std::string(12, '\0'));
+  const auto json = nlohmann::json::parse(run_tessera({"info", path("a.obj"), "--json"}).out);
+  EXPECT_EQ(json["missing"], nlohmann::json({"gone%20tex.pfm"}));
+}
+
 constexpr const char* kTwoSensors = R"(<scene version="3.0.0">
 <sensor type="perspective" id="left"><transform name="to_world"><translate x="-3"/></transform></sensor>
 <sensor type="perspective" id="right"><transform name="to_world"><translate x="3"/></transform></sensor>
