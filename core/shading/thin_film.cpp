@@ -77,7 +77,7 @@ T index_of(T f0) {
   return (1 + r) / (1 - r);
 }
 
-constexpr float kLeastCos = 1e-4f;  // at grazing angles, where everything reflects, there is no film
+constexpr float kMinCos = 1e-4f;  // at grazing angles, where everything reflects, there is no film
 
 // Films thinner than 30 nm fade away.
 template <typename T>
@@ -97,7 +97,7 @@ ThinFilmOf<T>::ThinFilmOf(RgbOf<T> f0, T weight, T film_ior, T thickness)
 
 template <typename T>
 RgbOf<T> ThinFilmOf<T>::change(T cos_i) const {
-  cos_i = clamp_between(cos_i, kLeastCos, 1.0f);
+  cos_i = clamp_between(cos_i, kMinCos, 1.0f);
   const T cos_film = cos_below(cos_i, film_ior_);
   const Amplitudes<T> upper(cos_i, cos_film, film_ior_);
   const T difference = 2 * film_ior_ * thickness_nm_ * cos_film;

@@ -51,11 +51,11 @@ CoordinateGrid::CoordinateGrid(const Aabb& bounds) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   step_ = std::nextafter(farthest, kInfinity) - farthest;
   const bool spares_no_triangle = size < kMinStepsOfMesh * step_;
-  least_size_ = spares_no_triangle ? kInfinity : static_cast<float>(kMinStepsOfTriangle * step_);
+  min_size_ = spares_no_triangle ? kInfinity : static_cast<float>(kMinStepsOfTriangle * step_);
 }
 
 bool CoordinateGrid::is_too_coarse_for(Vec3 a, Vec3 b, Vec3 c) const {
-  return greatest_coordinate(max(max(a, b), c) - min(min(a, b), c)) < least_size_;
+  return greatest_coordinate(max(max(a, b), c) - min(min(a, b), c)) < min_size_;
 }
 
 void CoordinateGrid::tell(std::size_t triangles, FileWarnings& warnings) const {

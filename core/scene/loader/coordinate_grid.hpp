@@ -16,15 +16,15 @@ class CoordinateGrid {
   // fine enough for all triangles, because moving it would gain little.
   explicit CoordinateGrid(const Aabb& bounds);
 
-  bool is_fine() const { return least_size_ == 0; }
+  bool is_fine() const { return min_size_ == 0; }
   // Whether rounding changes the triangle visibly.
   bool is_too_coarse_for(Vec3 a, Vec3 b, Vec3 c) const;
   // Says how many triangles it is too coarse for, and what to do.
   void tell(std::size_t triangles, FileWarnings& warnings) const;
 
  private:
-  float step_ = 0;        // between coordinates
-  float least_size_ = 0;  // of triangles that keep their shape
+  float step_ = 0;      // between coordinates
+  float min_size_ = 0;  // of triangles that keep their shape
 };
 
 // Tells how many of a file's triangles the coordinates in the file are too coarse for.

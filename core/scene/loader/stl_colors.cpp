@@ -14,8 +14,8 @@ constexpr std::uint16_t kStlFlag = 0x8000;
 
 // One of three numbers of five bits.
 float stl_channel(std::uint16_t attributes, int shift) {
-  constexpr std::uint16_t kMost = 31;
-  return srgb_decode(static_cast<double>(attributes >> shift & kMost) / kMost);
+  constexpr std::uint16_t kMax = 31;
+  return srgb_decode(static_cast<double>(attributes >> shift & kMax) / kMax);
 }
 
 // The flag says that the colour is that of the whole.
